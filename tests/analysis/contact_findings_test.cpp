@@ -242,6 +242,26 @@ TEST(Drift, AdvisedKdFitsTheLongestStep) {
   EXPECT_TRUE(mentions(found[0], "kd: 10")) << found[0].remedy;
 }
 
+// The block arrives at this speed, and its contact lets it move on by 2 cm.
+TEST(Drift, AdvisesImpulsesWhereRulesFollowTheDamping) {
+  const auto remedy = [](Integrator rule, double speed) {
+    const std::vector<double> zero(6, 0.0), one(6, 1.0);
+    const Phase stance = testing::tracking_phase(block_system({{.name = "grip", .kd = 20}}), rule,
+                                                 1, 0.1, {.goal = zero, .q = one, .r = {1, 1, 1}},
+                                                 -testing::kFree, testing::kFree);
+    const ShootingProblem problem = block_problem({block_phase(block_system(), 1), stance});
+    Trajectory motion = problem.create_trajectory();
+    motion.x(1)[0] = 0.1 * speed;
+    motion.x(2)[0] = motion.x(1)[0] + 0.02;
+    const auto found = found_in_contacts(problem, motion, FindingKind::drift);
+    return found.size() == 1 ? found[0].remedy : "not one finding";
+  };
+  EXPECT_NE(remedy(Integrator::rk4, 0.5).find("impulses: true"), std::string::npos);
+  EXPECT_NE(remedy(Integrator::rk4, 0.5).find("at 0.5 m/s"), std::string::npos);
+  EXPECT_EQ(remedy(Integrator::rk4, 0.1).find("impulse"), std::string::npos);
+  EXPECT_EQ(remedy(Integrator::semi_implicit_euler, 0.5).find("impulse"), std::string::npos);
+}
+
 TEST(Drift, CountsAlongConstrainedDirections) {
   const Contact rest{.name = "rest", .kind = ContactKind::normal};
   EXPECT_TRUE(drift_of(rest, {{0, 0, 0}, {0.1, 0.1, 0}}).empty());

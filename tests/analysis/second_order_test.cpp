@@ -91,7 +91,7 @@ TEST(SecondOrder, GoalsArePassedBackToEarlierControls) {
   EXPECT_NEAR(missed.repair, std::abs(optimum - cost + missed.gain), 1e-4 * apart);
 }
 
-/// ½ Σ ‖u‖² + weight ‖x‖² of x⁺ = A x + B u on the way to a goal.
+/// The system x⁺ = A x + B u on the way to a goal at the cost ½ Σ (‖u‖² + weight ‖x‖²).
 ShootingProblem linear_to_goal(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B,
                                const std::vector<double>& start, const std::vector<double>& goal,
                                int knots, double weight = 0) {
@@ -116,16 +116,23 @@ ShootingProblem linear_to_goal(const Eigen::MatrixXd& A, const Eigen::MatrixXd& 
   return testing::with_constraints(free, {testing::goal_constraint(free, goal)});
 }
 
+/// A chain of integrators, moved by its last derivative.
+struct Chain {
+  static constexpr double dt = 0.05;
+  explicit Chain(int n) : A(Eigen::MatrixXd::Identity(n, n)), B(dt * VectorXd::Unit(n, n - 1)) {
+    A.diagonal(1).setConstant(dt);
+  }
+  Eigen::MatrixXd A, B;
+};
+
 // Elimination needs gains of dt⁻ⁿ: its policy reaches the goal in the last n steps.
 TEST(SecondOrder, GoalsThatFewStepsHardlyReachAreDecided) {
   constexpr int n = 8, N = 60;
-  constexpr double dt = 0.05;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
-  A.diagonal(1).setConstant(dt);
-  const Eigen::MatrixXd B = dt * VectorXd::Unit(n, n - 1);
+  const Chain chain(n);
   std::vector<double> start(n, 0.0);
   start[0] = 1;
-  const ShootingProblem problem = linear_to_goal(A, B, start, std::vector<double>(n, 0.0), N);
+  const ShootingProblem problem =
+      linear_to_goal(chain.A, chain.B, start, std::vector<double>(n, 0.0), N);
   const SolveResult result = solve(problem, "ipopt", {}, problem.create_trajectory());
   ASSERT_EQ(result.status, SolveStatus::converged);
   const SecondOrder found = at_answer(problem, result);
@@ -137,10 +144,8 @@ TEST(SecondOrder, GoalsThatFewStepsHardlyReachAreDecided) {
 // the null space of the goal, which the last steps hardly reach.
 TEST(SecondOrder, VerdictIsThatOfTheDenseReducedHessian) {
   constexpr int n = 6, N = 40;
-  constexpr double dt = 0.05;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(n, n);
-  A.diagonal(1).setConstant(dt);
-  const Eigen::MatrixXd B = dt * VectorXd::Unit(n, n - 1);
+  const Chain chain(n);
+  const auto& [A, B] = chain;
   const VectorXd start = VectorXd::Unit(n, 0);
   // x_k = free_k + by_u_k u
   std::vector<VectorXd> free{start};

@@ -421,6 +421,18 @@ costs: {track: {residual: state, reference: [1]}, effort: {residual: control, we
   EXPECT_EQ(read_file(folder.path() / "out/solution.json").find("nan"), std::string::npos);
 }
 
+TEST(Solve, AdvisesImpulsesWhereGaitsTouchDown) {
+  const TemporaryFolder folder;
+  const std::filesystem::path trot = source_tree() / "problems/quadruped_trot.yaml";
+  const std::string advice = "try an impulse ('gait: {impulses: true}'";
+  const ProcessResult soft = run_conddp({"solve", trot, "-o", folder.path() / "soft"});
+  EXPECT_NE(soft.out.find(advice), std::string::npos) << soft.out;
+  const ProcessResult hard = run_conddp({"solve", trot, "-o", folder.path() / "hard", "--set",
+                                         "gait.impulses=true", "--set", "integrator=rk4"});
+  EXPECT_EQ(hard.out.find("the grid does not resolve"), std::string::npos) << hard.out;
+  EXPECT_EQ(hard.out.find("drifts"), std::string::npos) << hard.out;
+}
+
 TEST(Solve, NamesStatesWithUndefinedEquations) {
   const TemporaryFolder folder;
   const std::string file = folder.write("rest.yaml", R"(conddp: 1

@@ -109,6 +109,17 @@ TEST(LoopFile, SystemsWithoutPhasesOfContactsHaveNoLoops) {
   EXPECT_NE(errors(implicit).find("'contact_candidates'"), std::string::npos) << errors(implicit);
 }
 
+TEST(LoopFile, FindingsKnowBoundsAtEnds) {
+  const Loaded leg(std::string(kLeg) + R"(constraints:
+  reach: {bounds: configuration, from: urdf}
+  speed: {bounds: velocity, from: urdf, nodes: ends}
+)");
+  ASSERT_TRUE(leg.built) << leg.all();
+  const FindingNames names = finding_names(*leg.built);
+  EXPECT_EQ(names.bounded, (std::set<std::string>{"configuration", "velocity"}));
+  EXPECT_EQ(names.bounded_to_the_end, std::set<std::string>{"velocity"});
+}
+
 TEST(LoopFile, FindingsNameTheKeysOfLoops) {
   const Loaded leg{std::string(kLeg)};
   ASSERT_TRUE(leg.built) << leg.all();

@@ -172,6 +172,23 @@ TEST(AutoSolver, ContinuesAfterADoubtfulAnswer) {
   EXPECT_EQ(doubted.restarts, std::nullopt);
 }
 
+TEST(AutoSolver, EndsIfTheProblemCausesTheDoubt) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const std::vector<const SolverInfo*> both{find_solver("box_fddp"), find_solver("box_ddp")};
+  const SolverInfo* used;
+  int asked = 0;
+  const Doubt doubt = [&](const ShootingProblem&, const SolveResult&) {
+    ++asked;
+    return Objection{.text = "rows repeat others", .of_problem = true, .excess = 10};
+  };
+  const SolveResult result =
+      solve(problem, both, {}, testing::constant_controls(problem, 0.01), used, doubt);
+  EXPECT_EQ(result.status, SolveStatus::converged);
+  EXPECT_EQ(used, both[0]);
+  EXPECT_EQ(result.attempts.size(), 1u);
+  EXPECT_EQ(asked, 1) << "smaller tolerances help as little as other solvers";
+}
+
 /// A solver that converges from its nth call on, for `more` further calls.
 SolverInfo converging_at(int n, std::vector<Trajectory>& guesses, int more = 0) {
   return {.name = "lucky",

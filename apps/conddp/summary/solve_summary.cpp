@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include "base/text/utf8.hpp"
@@ -9,6 +7,7 @@
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"
+#include "solvers/common/control_bounds.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "summary/summary.hpp"
 
@@ -17,12 +16,10 @@ namespace {
 
 /// " (its lower limit)", or upper, if that limit holds a number of the initial choice.
 std::string limit_text(const Solution& s, int choice) {
-  constexpr double kNear = 1e-6;  // as far as barriers stay away
-  const KnotModel& model = *s.built.problem->knot(0).model;
+  const ControlBounds bounds(*s.built.problem);
   const double value = s.result.trajectory.u(0)[choice];
-  const auto is_at = [&](double limit) { return std::abs(value - limit) <= kNear * limit; };
-  if (is_at(model.control_lower()[choice])) return " (its lower limit)";
-  return is_at(model.control_upper()[choice]) ? " (its upper limit)" : "";
+  if (bounds.at_lower(0, choice, value)) return " (its lower limit)";
+  return bounds.at_upper(0, choice, value) ? " (its upper limit)" : "";
 }
 
 /// Durations of the phases with a free duration.

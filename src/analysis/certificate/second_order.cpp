@@ -817,8 +817,9 @@ std::vector<ScaledNode> penalized(std::vector<ScaledNode> nodes, double penalty)
 
 /// Smallest bound on the gain of Newton's step by penalties, or infinity if none proves positive
 /// curvature. A Hessian that is positive with a penalty is positive along the rows (Debreu 1952),
-/// and its step gains no less than the one that keeps the rows. Rows may be dependent or out of the
-/// controls' reach: elimination needs gains that are inverse to their pivots, penalties do not.
+/// and its step gains no less than the one that keeps the rows. Elimination needs gains
+/// that are inverse to its pivots, which are small where rows depend on each other or controls
+/// hardly move them; penalties need no pivots.
 double penalized_gain(const std::vector<ScaledNode>& nodes, double cost_size) {
   double least = std::numeric_limits<double>::infinity();
   for (const double penalty : kPenalties) {
@@ -855,6 +856,10 @@ void SecondOrder::scale(double factor) {
 
 namespace {
 
+bool is_decided(const SecondOrder& found) {
+  return found.curvature != Curvature::undecided && found.share() <= kLeastGain;
+}
+
 SecondOrder judge(const Model& model, const std::vector<ScaledNode>& nodes) {
   SecondOrder out;
   out.cost_size = model.cost_size();
@@ -867,18 +872,19 @@ SecondOrder judge(const Model& model, const std::vector<ScaledNode>& nodes) {
   out.least = recursion.least();
   out.knot = recursion.least_knot();
   if (bounded) {
-    out.gain = attainable_gain(nodes, recursion, out.cost_size) + recursion.flat_gain();
-    if (std::isinf(out.least)) {
-      out.curvature = Curvature::positive;
-    } else if (const double gain = penalized_gain(nodes, out.cost_size); gain <= least_gain) {
+    const bool settled = std::isinf(out.least);
+    const double bound = settled ? out.least : penalized_gain(nodes, out.cost_size);
+    if (settled || bound <= least_gain) {
       out.curvature = Curvature::positive;
       out.least = std::numeric_limits<double>::infinity();
       out.knot = -1;
-      out.gain = gain;
     }
+    out.gain = bound <= least_gain
+                   ? bound
+                   : attainable_gain(nodes, recursion, out.cost_size) + recursion.flat_gain();
     const auto values = recursion.least_values();
     out.repair = std::abs(values[0] - values[1] + recursion.pressed());
-    out.amplification = recursion.amplification();
+    if (!is_decided(out)) out.amplification = recursion.amplification();
     return out;
   }
   const Descent& descent = recursion.descent();
@@ -891,15 +897,11 @@ SecondOrder judge(const Model& model, const std::vector<ScaledNode>& nodes) {
   return out;
 }
 
-bool is_decided(const SecondOrder& found) {
-  return found.curvature != Curvature::undecided && found.share() <= kLeastGain;
-}
-
-/// True if rows follow from others or hardly any control moves them: closing a violation that
-/// counts as none takes moves beyond all ranges.
+/// True if rows follow from others, or if controls hardly move them: to close a negligible
+/// violation takes moves beyond all ranges.
 bool is_ill_posed(const SecondOrder& found) { return kNear * found.amplification > 1; }
 
-/// Name of the equation without which the model is decided; empty if there is none.
+/// Name of the first equation whose release decides the model; otherwise empty.
 std::string doubtful_equation(const ShootingProblem& problem, const Model& model) {
   std::set<std::string_view> tried;
   for (const NodeConstraint& c : problem.constraints()) {

@@ -45,8 +45,8 @@ struct SecondOrder {
   /// inactive constraints allow.
   std::vector<Eigen::VectorXd> direction;
   double bend = 0;
-  /// Largest move that closes gaps and violations of held rows, in ranges, as a multiple of the
-  /// largest of these.
+  /// Of an undecided model: largest move that closes gaps and violations of held rows, in ranges,
+  /// as a multiple of the largest of these.
   double amplification = 0;
   /// Name of an equation whose rows follow from others, or that hardly any control moves, if this
   /// leaves the curvature, the gain or the repair undecided.

@@ -30,7 +30,7 @@ struct Posture {
 /// Inverse kinematics. Moves the given joints, each with one velocity index, within their limits to
 /// meet all goals and close the contacts that the system holds. The motion from the state x is
 /// small (sum of squares). If the way from x ends with a gap, random positions start 19 other ways.
-/// Of those without a gap, the one with the least motion is returned, otherwise that with the
+/// The result is the one with the least motion among those without a gap, otherwise that with the
 /// smallest gap. Steps are Levenberg-Marquardt's on a penalty of the motion that tends to zero;
 /// joints at a limit that they press on keep it. The same for the same input.
 Posture find_posture(const MultibodySystem& system, const std::vector<PostureGoal>& goals,
