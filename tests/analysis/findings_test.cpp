@@ -242,13 +242,13 @@ TEST(RowsOfConstraints, NamesRowsAtTheirLargestViolation) {
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::constraint_row, names).empty());
 }
 
-/// At least 0.5 from the z axis at all knots.
-ShootingProblem around_a_pillar(int knots) {
+/// At least this radius from the z axis at all knots.
+ShootingProblem around_a_pillar(int knots, double radius = 0.5) {
   const auto system = block_system();
   auto running = std::make_shared<KnotModel>(system, Integrator::semi_implicit_euler);
   running->add_constraint(make_constraint(
       "pillar", coordinate_residual(running->manifold(), {0, 1}), ConstraintKind::norm));
-  const std::vector<double> far = {0, 0, 0.5, testing::kFree, 1};
+  const std::vector<double> far = {0, 0, radius, testing::kFree, 1};
   Phase phase{.name = "all", .model = running};
   for (int k = 0; k < knots; ++k) {
     phase.dt.push_back(0.1);
@@ -289,6 +289,22 @@ TEST(BetweenKnots, ChecksConstraintsAlongTheStraightLine) {
   // An equal violation at a knot is not reported again.
   motion.x(1) << 0, 0.02, 0, 0, 0, 0;
   EXPECT_TRUE(found_in_motion(problem, motion, FindingKind::between_knots).empty());
+}
+
+// Pillars of a twentieth of a step, wherever the motion passes them.
+TEST(BetweenKnots, FindsObstaclesThinnerThanItsSamples) {
+  constexpr double kRadius = 0.025;
+  for (const double past : {0.03, 0.11, 0.31, 0.4, 0.73})
+    for (const double beside : {0.0, 0.015, 0.03}) {
+      const ShootingProblem problem = around_a_pillar(2, kRadius);
+      Trajectory motion = problem.create_trajectory();
+      motion.x(0) << past - 1, beside, 0, 0, 0, 0;
+      motion.x(1) << past, beside, 0, 0, 0, 0;
+      motion.x(2) = motion.x(1);
+      const auto found = found_in_motion(problem, motion, FindingKind::between_knots);
+      ASSERT_EQ(found.size(), beside < kRadius ? 1u : 0u) << past << " " << beside;
+      for (const Finding& f : found) EXPECT_GT(f.value, 0.4 * (kRadius - beside)) << past;
+    }
 }
 
 /// The window at the given knots only.

@@ -90,6 +90,62 @@ TEST(Verdicts, HeavyGoalsAreCertifiedOnlyAtTheirOptimum) {
     }
 }
 
+/// One step of length 1 with this rate and these costs, from x = 0 and u = 0.
+Solved one_step(const std::string& rate, const std::string& costs, const std::string& more = "") {
+  return Solved("conddp: 1\nname: step\nsystem: {states: {x: m}, controls: {u: m/s}, rate: {x: \"" +
+                    rate +
+                    "\"}}\ninitial_state: {values: {x: 0}}\nphases: [{knots: 1, dt: 1}]\n"
+                    "costs:\n  effort: {residual: control, weight: 0.1}\n" +
+                    costs + more,
+                {"--solver", "altro"});
+}
+
+// Zero solves the equations of one branch each.
+TEST(Verdicts, KinksWithDescentAreNotCertified) {
+  const std::string goal = "terminal: {costs: {goal: {residual: state, reference: [1]}}}\n";
+  for (const char* rate : {"max(0, u)", "u*sign(u)", "if(u > 0, u, 0)"}) {
+    const Solved kink = one_step(rate, goal);
+    EXPECT_EQ(kink.document.at("trajectory").at("u")[0][0], 0.0) << rate;
+    EXPECT_EQ(kink.verdict(), "stationary") << rate;
+    EXPECT_NE(kink.run.out.find("kink of the dynamics"), std::string::npos) << kink.run.out;
+  }
+  const Solved cost =
+      one_step("u", "  ridge: {residual: expression, rows: \"min(0, u)\", activation: linear}\n");
+  EXPECT_EQ(cost.verdict(), "stationary");
+  EXPECT_NE(cost.run.out.find("kink of cost 'ridge'"), std::string::npos) << cost.run.out;
+}
+
+TEST(Verdicts, KinksWithoutDescentAreCertified) {
+  const auto term = [](const std::string& row) {
+    return "  edge: {residual: expression, rows: \"" + row + "\", activation: linear}\n";
+  };
+  EXPECT_EQ(one_step("u", term("max(0, -u)")).verdict(), "local_minimum");
+  // The side that falls is out of bounds.
+  EXPECT_EQ(
+      one_step("u", term("-max(0, -u)"), "constraints: {forward: {bounds: control, lower: 0}}\n")
+          .verdict(),
+      "local_minimum");
+}
+
+// A straight motion towards a disc from its axis, which no control leaves.
+TEST(Verdicts, StraightMotionTowardsADiscIsASaddle) {
+  const Solved point(R"(conddp: 1
+name: disc
+system:
+  states: {x: m, y: m, vx: m/s, vy: m/s}
+  controls: {ux: N, uy: N}
+  rate: {x: vx, y: vy, vx: ux, vy: uy}
+initial_state: {values: {x: -1}}
+phases: [{knots: 30, duration: 2}]
+costs: {effort: {residual: control, weight: 0.001}}
+constraints: {disc: {residual: state, columns: [x, y], reference: [0, 0], at_least: 0.4}}
+terminal: {costs: {goal: {residual: state, reference: [1, 0, 0, 0], weight: 100}}}
+)",
+                     {"--solver", "ipddp"});
+  EXPECT_EQ(point.verdict(), "local_minimum") << point.run.out;
+  EXPECT_LT(point.cost(), 0.01) << "along the axis 13";
+}
+
 TEST(Verdicts, ReachesAGoalSmallerThanItsTolerance) {
   const Solved stage(R"(conddp: 1
 name: stage
@@ -303,7 +359,8 @@ costs: {speed: {residual: state, columns: ["v/*"], weight: 1.0e-2}}
   EXPECT_EQ(Json::parse(read_file(out + "/solution.json")).at("status"), "converged");
 }
 
-// Steps as long as the wall is thick, so that all answers on the file's grid jump across it.
+// Steps may be twice as long as the wall is thick, so that all answers on the file's grid jump
+// across it.
 TEST(Verdicts, FinerGridsLeadAround) {
   const Solved around(R"(conddp: 1
 name: wall
@@ -315,11 +372,16 @@ initial_state: {values: {x: 0, y: 0.02}}
 phases: [{name: go, knots: 10, duration: 1}]
 costs: {effort: {residual: control, weight: 0.01}}
 constraints:
-  wall: {residual: state, columns: [x, y], centers: [{from: [1, -0.9], to: [1, 0.9], count: 19}], at_least: 0.08}
+  speed: {bounds: control, lower: [-3, -20], upper: [3, 20]}
+  wall: {residual: state, columns: [x, y], centers: [{from: [1, -0.3], to: [1, 0.3], count: 7}], at_least: 0.08}
 terminal: {constraints: {goal: {residual: state, columns: [x, y], reference: [2, 0]}}}
 )");
   EXPECT_EQ(around.run.exit_code, 0) << around.run.out << around.run.err;
   EXPECT_EQ(around.run.out.find("jumps through an obstacle"), std::string::npos) << around.run.out;
+  double aside = 0;
+  for (const Json& x : around.document.at("trajectory").at("x"))
+    aside = std::max(aside, std::abs(x[1].get<double>()));
+  EXPECT_GT(aside, 0.3);
   EXPECT_EQ(run_conddp({"verify", around.solution(), "--quiet"}).exit_code, 0);
 }
 

@@ -390,6 +390,12 @@ class Judge {
                       found.hidden_share());
       return;
     }
+    if (found.kink) {
+      certificate_.curvature =
+          fmt::format("a kink of {} at {}, beyond which the cost may fall", found.kink->part,
+                      place_text(problem_, found.kink->node, ""));
+      return;
+    }
     if (found.curvature == Curvature::positive) return;
     const std::string place = place_text(problem_, std::max(found.knot, 0), "");
     certificate_.curvature =

@@ -98,7 +98,7 @@ Doubt certificate_doubt(const SolverOptions& options, std::shared_ptr<LastJudged
       objection.of_problem = !model.doubtful.empty();
       if (objection.excess > 1)
         objection.text = fmt::format("a Newton step would gain {:.2g} of its cost", model.share());
-      if (model.hidden_share() > kMostLeft) objection.text = certificate.curvature;
+      if (model.hidden_share() > kMostLeft || model.kink) objection.text = certificate.curvature;
       if (!objection.descent.empty())
         objection.text = "it is not a minimum: " + certificate.curvature;
     }

@@ -9,7 +9,7 @@
 
 #include <Eigen/QR>
 
-#include "analysis/certificate/replay.hpp"
+#include "analysis/certificate/motion_ranges.hpp"
 #include "analysis/certificate/small_matrices.hpp"
 #include "analysis/derivatives/node_models.hpp"
 #include "base/matrix_decompositions.hpp"
@@ -26,8 +26,8 @@ using Eigen::VectorXd;
 constexpr double kWeak = 1e-8;
 /// A value is at its bound within this distance, relative to its terms.
 constexpr double kNear = 1e-7;
-/// Ranges below this share of the largest one are rounding and define no scale. The same holds for
-/// the derivatives of a row relative to those of other rows.
+/// Derivatives of a row below this share of those of other rows are rounding, like its changes
+/// below this share of a step.
 constexpr double kNothing = 1e-12;
 /// Rows of unit length are dependent below this pivot. The value contains squares of gains, which
 /// are inverse to the pivot.
@@ -60,56 +60,20 @@ struct Row {
   double up = std::numeric_limits<double>::infinity();
   const ConstraintTerm* equation = nullptr;  ///< null for rows of inequalities and control bounds
 
-  /// Share of a change that the bounds allow.
-  double way(double change) const {
-    const double room = change > 0 ? up : down;
-    return change == 0 ? 1.0 : std::min(1.0, room / std::abs(change));
+  /// Share of a step z that the bounds allow. Changes of the row that are rounding of z count as
+  /// none: a row at its bound would stop every step along it.
+  double way(const VectorXd& z) const {
+    const double change = a.dot(z);
+    if (std::abs(change) <= kNothing * z.lpNorm<Eigen::Infinity>()) return 1;
+    return std::min(1.0, (change > 0 ? up : down) / std::abs(change));
   }
 };
-
-/// Ranges of motion: of each state over the trajectory, of each control over the knots of its
-/// model.
-class Ranges {
- public:
-  Ranges(const ShootingProblem& problem, const Trajectory& trajectory)
-      : state(motion_range(problem, trajectory)) {
-    for (int k = 0; k < problem.knots(); ++k) {
-      VectorXd& range = controls_[problem.knot(k).model];
-      if (range.size() == 0) range = VectorXd::Zero(problem.nu(k));
-      range = range.cwiseMax(trajectory.u(k).cwiseAbs());
-    }
-    drop_rounding(state);
-    for (auto& [model, range] : controls_) drop_rounding(range);
-  }
-
-  VectorXd of_node(const ShootingProblem& problem, int k) const {
-    if (k == problem.knots()) return state;
-    VectorXd all(state.size() + problem.nu(k));
-    all << state, controls_.at(problem.knot(k).model);
-    return all;
-  }
-
-  VectorXd state;
-
- private:
-  static void drop_rounding(VectorXd& ranges) {
-    if (ranges.size() == 0) return;
-    const double least = kNothing * ranges.maxCoeff();
-    ranges = (ranges.array() > least).select(ranges, 0);
-  }
-
-  std::map<const KnotModel*, VectorXd> controls_;
-};
-
-/// Scales by the ranges; a range of zero defines none and counts as 1.
-VectorXd units_of(const VectorXd& ranges) {
-  return ranges.unaryExpr([](double r) { return r > 0 ? r : 1.0; });
-}
 
 /// A node in units of the ranges.
 struct ScaledNode {
   MatrixXd hessian, step;  ///< nz x nz; ndx x nz
   VectorXd gradient, gap;
+  VectorXd reach;  ///< largest move along a direction: one range, or that of other controls
   std::vector<Row> rows;
   std::vector<Row::Role> controls;  ///< role of each control, by its bounds
 };
@@ -140,7 +104,7 @@ class Model {
     lagrangian.multiplier = point.multipliers;
     std::vector<MatrixXd> hessians =
         exact_hessians(point.problem, point.trajectory, point.costates, &lagrangian);
-    units_ = units_of(ranges_.state);
+    units_ = ranges_.unit(point.problem, point.problem.knots());
     const double change = change_over_ranges();
     size_ = std::min(point.cost_size, change);
     resolution_ = std::max(kResolution * change, point.negligible);
@@ -155,7 +119,7 @@ class Model {
   double cost_size() const { return size_; }
   double resolution() const { return resolution_; }
   double negligible() const { return point_.negligible; }
-  VectorXd unit(int k) const { return units_of(ranges_.of_node(point_.problem, k)); }
+  VectorXd unit(int k) const { return ranges_.unit(point_.problem, k); }
   /// Σ |∂L/∂u| times the ranges, over controls that no bound holds; 0 without constraints.
   double slope() const {
     double sum = 0;
@@ -201,6 +165,7 @@ class Model {
           d.constraint.transpose() *
           point_.multipliers.segment(point_.problem.constraint_offset(k), d.constraint.rows());
     node.gradient = unit.cwiseProduct(gradient);
+    node.reach = ranges_.reach(point_.problem, k);
     if (k == point_.problem.knots()) return;
     node.step = units_.cwiseInverse().asDiagonal() * d.step * unit.asDiagonal();
     node.gap = units_.cwiseInverse().cwiseProduct(point_.gap.col(k));
@@ -355,7 +320,7 @@ class Model {
   }
 
   const JudgedPoint& point_;
-  Ranges ranges_;
+  MotionRanges ranges_;
   VectorXd units_;
   double size_ = 0, resolution_ = 0;
   std::vector<ScaledNode> nodes_;
@@ -393,12 +358,11 @@ double step_length(const std::vector<ScaledNode>& nodes, const std::vector<Vecto
   double length = 1;
   for (std::size_t k = 0; k < nodes.size(); ++k)
     for (const Row& row : nodes[k].rows)
-      if (row.role != Row::Role::held)
-        length = std::min(length, row.way(sign * row.a.dot(step[k])));
+      if (row.role != Row::Role::held) length = std::min(length, row.way(sign * step[k]));
   return length;
 }
 
-/// A direction of negative curvature, scaled to a largest entry of one range.
+/// A direction of negative curvature, scaled until an entry reaches its limit.
 struct Descent {
   std::vector<VectorXd> z;
   double bend = 0;    ///< ½ zᵀ H z
@@ -407,7 +371,8 @@ struct Descent {
   double gain() const { return -bend * length * length; }
   void measure(const std::vector<ScaledNode>& nodes) {
     double largest = 0;
-    for (const VectorXd& at : z) largest = std::max(largest, at.lpNorm<Eigen::Infinity>());
+    for (std::size_t k = 0; k < z.size(); ++k)
+      largest = std::max(largest, z[k].cwiseQuotient(nodes[k].reach).lpNorm<Eigen::Infinity>());
     for (std::size_t k = 0; k < z.size(); ++k) {
       z[k] /= largest;
       bend += 0.5 * z[k].dot(nodes[k].hessian * z[k]);
@@ -779,8 +744,7 @@ double limit_step(std::vector<ScaledNode>& nodes, const std::vector<VectorXd>& s
   const double length = step_length(nodes, step, 1);
   for (std::size_t k = 0; length < 1 && k < nodes.size(); ++k)
     for (Row& row : nodes[k].rows)
-      if (row.role != Row::Role::held &&
-          row.way(row.a.dot(step[k])) <= std::min(1.0, 2 * length + kNear))
+      if (row.role != Row::Role::held && row.way(step[k]) <= std::min(1.0, 2 * length + kNear))
         row.role = Row::Role::held;
   return length;
 }
@@ -927,6 +891,8 @@ SecondOrder second_order(const JudgedPoint& point) {
   const Model model(point);
   SecondOrder out = judge(model, model.nodes());
   if (!is_decided(out) && is_ill_posed(out)) out.doubtful = doubtful_equation(point.problem, model);
+  if (out.curvature == Curvature::positive) out.kink = find_falling_kink(point, out.cost_size);
+  if (out.kink) out.curvature = Curvature::undecided;
   return out;
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "analysis/derivatives/node_derivatives.hpp"
-#include "ocp/problem/problem.hpp"
-#include "ocp/problem/trajectory.hpp"
+#include "analysis/certificate/judged_point.hpp"
+#include "analysis/certificate/kinks.hpp"
 
 namespace conddp {
 
@@ -17,7 +17,8 @@ namespace conddp {
 enum class Curvature {
   positive,   ///< positive even without weakly active rows: a strict local minimum
   negative,   ///< negative in a direction that no constraint forbids: no minimum
-  undecided,  ///< zero to rounding, or negative only where weakly active rows may forbid it
+  undecided,  ///< zero to rounding, negative only where weakly active rows may forbid it, or
+              ///< unknown beyond a kink
 };
 
 /// Second-order model at a trajectory: cost, dynamics and active constraints, with exact Hessians
@@ -51,6 +52,7 @@ struct SecondOrder {
   /// Name of an equation whose rows follow from others, or that hardly any control moves, if this
   /// leaves the curvature, the gain or the repair undecided.
   std::string doubtful;
+  std::optional<FallingKink> kink;  ///< of a model that is positive to one side of it
 
   /// Largest share of the cost that is left to gain, to repair, or along a slope.
   double share() const;
@@ -65,22 +67,6 @@ inline constexpr std::pair<const char*, double SecondOrder::*> kSecondOrderFigur
     {"bend", &SecondOrder::bend},           {"gain", &SecondOrder::gain},
     {"repair", &SecondOrder::repair},       {"slope", &SecondOrder::slope},
     {"cost_size", &SecondOrder::cost_size}, {"resolution", &SecondOrder::resolution}};
-
-/// The point to be judged.
-struct JudgedPoint {
-  const ShootingProblem& problem;
-  const Trajectory& trajectory;
-  const Eigen::MatrixXd& gap;                        ///< ndx x N
-  const std::vector<NodeDerivatives>& derivatives;   ///< at the trajectory
-  const std::vector<Eigen::MatrixXd>& gauss_newton;  ///< Hessians of the costs, nz x nz
-  const Eigen::VectorXd& values;                     ///< values of all constraint rows
-  const Eigen::VectorXd& multipliers;                ///< multipliers of all constraint rows
-  /// Co-states (ndx x (N + 1)) and ∂L/∂u of an adjoint pass with these multipliers.
-  const Eigen::MatrixXd& costates;
-  const std::vector<Eigen::VectorXd>& control_gradient;
-  double cost_size = 0;   ///< sum of the absolute values of all costs
-  double negligible = 0;  ///< cost change that counts as nothing
-};
 
 /// Riccati recursion on the null space of the active constraints (Laine, Tomlin 2019). It uses only
 /// the trajectory, its derivatives and multipliers. The reduced Hessian of the whole horizon is

@@ -27,7 +27,14 @@ namespace {
 constexpr double kSlack = 1e-6;
 /// A violation between knots is reported if it exceeds that at knots by this, in its unit.
 constexpr double kBetween = 1e-4;
+/// The path between two knots is sampled at quarters, and more closely where a row may be violated
+/// between two samples.
 constexpr int kPartsOfAStep = 4;
+constexpr double kShortestPart = 1.0 / 64;
+/// Rows may change along a path at this multiple of their rate between its samples.
+constexpr double kRateMargin = 1.5;
+/// Distances from violations beyond this are equal.
+constexpr double kFar = 1e9;
 
 /// True if a control is at its limit or beyond. Limits of 0 or infinity do not count.
 bool is_at(double control, double limit) {
@@ -338,21 +345,71 @@ class Search {
     return false;
   }
 
+  /// The constraints of a node along the path to the next one.
+  struct Path {
+    int k;
+    Eigen::VectorXd way;
+    std::span<const NodeConstraint* const> constraints;
+    const std::map<std::string, double>& at_knots;
+    Eigen::VectorXd rate;   ///< largest change of each row per step
+    Eigen::VectorXd least;  ///< smallest distance of each row so far, at most 0
+  };
+  /// Distance of each row from a violation between knots, at a part of the way.
+  struct Sample {
+    double part;
+    Eigen::VectorXd room;
+  };
+
   /// Checks constraints of a node along the path to the next one.
   void look_along(int k, std::span<const NodeConstraint* const> constraints,
                   const std::map<std::string, double>& at_knots) {
-    Eigen::VectorXd way(problem_.ndx()), x(problem_.nx());
+    Path path{k, Eigen::VectorXd(problem_.ndx()), constraints, at_knots, {}, {}};
     problem_.manifold().difference(trajectory_.x(k).data(), trajectory_.x(k + 1).data(),
-                                   way.data());
-    for (int part = 1; part < kPartsOfAStep; ++part) {
-      const Eigen::VectorXd dx = way * (static_cast<double>(part) / kPartsOfAStep);
-      problem_.manifold().integrate(trajectory_.x(k).data(), dx.data(), x.data());
-      evaluate(k, x);
-      for (const NodeConstraint* c : constraints) look_between(*c, at_knots);
-    }
+                                   path.way.data());
+    std::vector<Sample> samples;
+    for (int part = 0; part <= kPartsOfAStep; ++part)
+      samples.push_back(sample(path, static_cast<double>(part) / kPartsOfAStep));
+    path.rate = path.least = Eigen::VectorXd::Zero(samples[0].room.size());
+    for (const Sample& sample : samples) path.least = path.least.cwiseMin(sample.room);
+    for (int part = 0; part < kPartsOfAStep; ++part)
+      path.rate = path.rate.cwiseMax(kPartsOfAStep *
+                                     (samples[part + 1].room - samples[part].room).cwiseAbs());
+    for (int part = 0; part < kPartsOfAStep; ++part)
+      look_closer(path, samples[part], samples[part + 1]);
     if (!ends_phase(k)) return;
     evaluate(k, trajectory_.x(k + 1));
     for (const NodeConstraint* c : constraints) look_at_end(*c, at_knots);
+  }
+
+  /// Evaluates the constraints at a part of the way, and notes violations inside it.
+  Sample sample(const Path& path, double part) {
+    Eigen::VectorXd x(problem_.nx());
+    const Eigen::VectorXd dx = path.way * part;
+    problem_.manifold().integrate(trajectory_.x(path.k).data(), dx.data(), x.data());
+    evaluate(path.k, x);
+    std::vector<double> room;
+    for (const NodeConstraint* c : path.constraints) {
+      if (part > 0 && part < 1) look_between(*c, path.at_knots);
+      const Eigen::VectorXd values = values_of(*c);
+      const double allowed = path.at_knots.at(c->term->name) + kBetween;
+      for (int i = 0; i < c->term->rows; ++i)
+        room.push_back(std::clamp(
+            std::min(values[i] - c->lower[i], c->upper[i] - values[i]) + allowed, -kFar, kFar));
+    }
+    return {part, Eigen::Map<Eigen::VectorXd>(room.data(), static_cast<Eigen::Index>(room.size()))};
+  }
+
+  /// Halves a part of the way while a row may be violated there, by its rate, more than twice as
+  /// far as at all samples (Piyavskii 1972): an obstacle may be thinner than the part.
+  void look_closer(Path& path, const Sample& begin, const Sample& end) {
+    const double length = end.part - begin.part;
+    if (length <= kShortestPart) return;
+    const auto least = 0.5 * (begin.room + end.room - kRateMargin * length * path.rate);
+    if ((least.array() >= 2 * path.least.array()).all()) return;
+    const Sample middle = sample(path, begin.part + length / 2);
+    path.least = path.least.cwiseMin(middle.room);
+    look_closer(path, begin, middle);
+    look_closer(path, middle, end);
   }
 
   /// Constraints do not hold automatically at the node that ends their phase.

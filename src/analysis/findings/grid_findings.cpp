@@ -21,10 +21,10 @@ std::string_view rule_at(const ShootingProblem& problem, int knot) {
 }
 
 /// Errors above this share are not told apart.
-constexpr double kMost = 10;
+constexpr double kMostTold = 10;
 
 std::string percent(double share) {
-  if (!(share < kMost)) return "over 1000 %";
+  if (!(share < kMostTold)) return "over 1000 %";
   return fmt::format("{} %", share < 0.1 ? fmt::format("{:.2g}", 100 * share)
                                          : fmt::format("{:.0f}", 100 * share));
 }
@@ -99,7 +99,7 @@ void find_in_grid(const ShootingProblem& problem, const Trajectory& trajectory,
     const Column column = tangent_columns(problem.terminal().model->system())[error->entry];
     Finding f = finding_of(FindingKind::coarse_grid, problem, trajectory, error->knot);
     f.subject = column.name;
-    f.value = error->relative < kMost ? error->relative : kMost;
+    f.value = error->relative < kMostTold ? error->relative : kMostTold;
     f.message = fmt::format(
         "the grid does not resolve the motion: the errors of steps of {} add up to {:.2g} {} in "
         "{}, {} of its range",
