@@ -11,7 +11,7 @@ set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
   common linalg stages riccati iterate constraints globalization ddp interior ipopt strategies)
 set(CONDDP_analysis_FOLDERS derivatives certificate contact findings comparison terminal margins)
-set(CONDDP_problem_file_FOLDERS yaml model values data plant motion residuals lower read mesh terms assemble expand)
+set(CONDDP_problem_file_FOLDERS yaml model values data plant motion residuals lower read mesh terms assemble expand first_problem)
 set(CONDDP_output_FOLDERS solution schedule scene mpc report bench)
 set(CONDDP_batch_FOLDERS plan results run cluster)
 

@@ -18,6 +18,7 @@ Command compare_command();
 Command regress_command();
 Command inspect_command();
 Command reach_command();
+Command init_command();
 Command report_command();
 Command list_command();
 Command schema_command();
