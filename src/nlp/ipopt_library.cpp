@@ -1,6 +1,7 @@
 #include "nlp/ipopt_library.hpp"
 
 #include <filesystem>
+#include <mutex>
 
 #include <fmt/format.h>
 
@@ -43,6 +44,9 @@ const IpoptLibrary& ipopt_library() {
 InteriorPointAnswer minimise(NonlinearProgram& program, const Eigen::VectorXd& start,
                              const InteriorPointSettings& settings,
                              const std::function<bool(const InteriorPointIterate&)>& on_iterate) {
+  // Ipopt's linear solver has memory that all solves of a process share.
+  static std::mutex one_at_a_time;
+  const std::lock_guard lock(one_at_a_time);
   return ipopt_library().minimise(program, start, settings, on_iterate);
 }
 

@@ -7,22 +7,17 @@
 
 #include <fmt/format.h>
 
-#include "analysis/certificate/certificate_doubt.hpp"
-#include "analysis/contact/simulated_contacts.hpp"
 #include "analysis/findings/findings.hpp"
 #include "arguments/problem_arguments.hpp"
 #include "arguments/shared_arguments.hpp"
 #include "base/files/atomic_file.hpp"
 #include "commands/commands.hpp"
-#include "ocp/knot/knot_model.hpp"
 #include "output/report/certificate_report.hpp"
 #include "output/report/solution_certificate.hpp"
+#include "output/solution/grid_solve.hpp"
 #include "output/solution/solution_json.hpp"
-#include "problem_file/assemble/homotopy.hpp"
 #include "problem_file/assemble/problem_names.hpp"
-#include "problem_file/mesh/mesh.hpp"
 #include "solvers/strategies/registry.hpp"
-#include "solvers/strategies/strategies.hpp"
 #include "summary/summary.hpp"
 #include "terminal/exit_codes.hpp"
 #include "terminal/interrupt.hpp"
@@ -55,44 +50,6 @@ int exit_code(SolveStatus status) {
   if (status == SolveStatus::interrupted && InterruptGuard::signal() != 0)
     return kExitSignalBase + InterruptGuard::signal();
   return kExitNotConverged;
-}
-
-/// Measured time of the derivatives of all knots, s: the time of a full batch of the first knot of
-/// each phase, times the number of batches.
-double differentiation_time(const ShootingProblem& problem, const Trajectory& guess) {
-  double seconds = 0;
-  int k = 0;
-  for (const Phase& phase : problem.phases()) {
-    KnotBatch<Lane> batch(*phase.model);
-    std::copy_n(guess.x(k).data(), phase.model->nx(), batch.x.begin());
-    std::copy_n(guess.u(k).data(), phase.model->nu(), batch.u.begin());
-    std::copy_n(phase.parameters.data(), phase.model->parameter_count(), batch.parameters.begin());
-    batch.dt = phase.dt.front();
-    batch.cost_scale = phase.cost_scale.front();
-    const auto began = std::chrono::steady_clock::now();
-    phase.model->differentiate(batch.input(), batch.work, true);
-    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began;
-    seconds += gone.count() * ((phase.knots() + kLaneWidth - 1) / kLaneWidth);
-    k += phase.knots();
-  }
-  return seconds;
-}
-
-/// Estimated time for the files of an answer, and for its certificate if requested, s; 0 without a
-/// time limit. Both grow with the number of written values. The certificate also grows with the
-/// time of derivatives, and counts as four times those of all knots.
-double finishing_time(const BuiltProblem& built, bool certified) {
-  if (!std::isfinite(built.facts().solver.options.max_time_s)) return 0;
-  const ShootingProblem& problem = *built.problem;
-  constexpr double kWrittenNumber = 4e-7, kComparedNumber = 5e-7, kEvaluatedKnot = 5e-6;
-  constexpr double kDifferentiations = 4;
-  double numbers = 0;
-  for (int k = 0; k < problem.knots(); ++k)
-    numbers += problem.nx() + 2 * problem.ndx() + problem.nu(k) * (problem.ndx() + 2.0);
-  const double written = kWrittenNumber * numbers;
-  if (!certified) return written;
-  return written + kComparedNumber * numbers + kEvaluatedKnot * problem.knots() +
-         kDifferentiations * differentiation_time(problem, built.guess);
 }
 
 /// Reports an error at the number of knots if finishing alone would far exceed the time limit.
@@ -134,37 +91,34 @@ class ProgressTable {
   int restoration_ = 0;  ///< restoration of the current rows, 0: none
 };
 
-/// Progress is a redrawn terminal line, or a table if notes are requested. Machine-readable
-/// messages exclude both.
-SolveResult solve_showing_progress(const BuiltProblem& built, bool first_grid, const Doubt& doubt,
-                                   const std::vector<const SolverInfo*>& candidates,
-                                   SolverOptions options, Verbosity verbosity,
-                                   const SolverInfo*& solver) {
-  // Signals have their usual effect before the first iterate, when there is nothing to save, and
-  // after the last one, when the answer is either complete or not written.
-  std::optional<InterruptGuard> guard;
-  const bool text = message_format() == MessageFormat::kText;
-  StatusLine status(text && verbosity == Verbosity::kNormal && terminal_of(2).redraws);
-  ProgressTable table;
-  options.interrupted = [&] {
-    status.refresh();
-    return InterruptGuard::signal() != 0;
-  };
-  options.on_iteration = [&](const IterationRecord& row) {
-    if (!guard) guard.emplace();
-    status.show(row);
-    if (text && verbosity == Verbosity::kVerbose) table.print(row);
-  };
-  if (first_grid) {
-    options.multipliers = built.multipliers;
-    options.homotopy = homotopy_path(built);
-  } else {
-    options.restarts.count = 0;
+/// Progress of a solve, with the callbacks that show it and end the solve at a signal: a redrawn
+/// terminal line, or a table if notes are requested. Machine-readable messages exclude both.
+class Watch {
+ public:
+  Watch(Verbosity verbosity, SolverOptions& options)
+      : shows_table_(is_text() && verbosity == Verbosity::kVerbose),
+        status_(is_text() && verbosity == Verbosity::kNormal && terminal_of(2).redraws) {
+    options.interrupted = [this] {
+      status_.refresh();
+      return InterruptGuard::signal() != 0;
+    };
+    options.on_iteration = [this](const IterationRecord& row) {
+      if (!guard_) guard_.emplace();
+      status_.show(row);
+      if (shows_table_) table_.print(row);
+    };
   }
-  const bool looks_further = first_grid && built.facts().solver.name.value == kAutoSolver;
-  return looks_further ? solve_best(*built.problem, candidates, options, built.guess, solver, doubt)
-                       : solve(*built.problem, candidates, options, built.guess, solver, doubt);
-}
+
+ private:
+  static bool is_text() { return message_format() == MessageFormat::kText; }
+
+  const bool shows_table_;
+  /// Signals have their usual effect before the first iterate, when there is nothing to save, and
+  /// after the last one, when the answer is either complete or not written.
+  std::optional<InterruptGuard> guard_;
+  StatusLine status_;
+  ProgressTable table_;
+};
 
 /// Number of notes that only --verbose shows.
 int count_hidden_notes(const Diagnostics& diagnostics, bool verbose) {
@@ -173,26 +127,14 @@ int count_hidden_notes(const Diagnostics& diagnostics, bool verbose) {
   return verbose ? 0 : static_cast<int>(std::count_if(list.begin(), list.end(), is_note));
 }
 
-/// A problem with its supporting solvers.
-struct Task {
-  BuiltProblem built;
-  std::vector<const SolverInfo*> candidates;
-  double finishing = 0;  ///< estimated time for files and certificate, s
-  std::string grid;      ///< setting of a grid that differs from the file's
-  /// Certificate of the solve, for its answer.
-  std::shared_ptr<LastJudged> judged = std::make_shared<LastJudged>();
-
-  const SolverSpec& asked() const { return built.facts().solver; }
-};
-
 /// The task of the command line; empty with errors if there is nothing to solve.
-std::optional<Task> prepare(const SolveArguments& arguments, Diagnostics& out) {
+std::optional<SolveTask> prepare(const SolveArguments& arguments, Diagnostics& out) {
   BuildOptions options = build_options_of(arguments);
   if (const std::string& file = arguments.warm_start; !file.empty())
     options.start = {file, {{out.add_source("--warm-start", file), 1, 1}, "initial_guess"}};
   auto built = build_problem_of(arguments, options, out);
   if (!built) return std::nullopt;
-  Task task{.built = *std::move(built)};
+  SolveTask task{.built = *std::move(built)};
   task.candidates = usable_solvers(task.built, out);
   task.finishing = finishing_time(task.built, !arguments.no_verify);
   if (task.candidates.empty() || !leaves_time(task.built, task.finishing, out)) return std::nullopt;
@@ -200,7 +142,7 @@ std::optional<Task> prepare(const SolveArguments& arguments, Diagnostics& out) {
 }
 
 /// Notes the first solver, if the file selects `auto`.
-void note_auto(const Task& task, Diagnostics& out) {
+void note_auto(const SolveTask& task, Diagnostics& out) {
   const Name& name = task.asked().name;
   if (name.value == kAutoSolver)
     out.note(name.place, "auto: " + describe_auto(*task.built.problem, task.candidates));
@@ -258,10 +200,17 @@ int checked_exit_code(const SolutionCertificate& certificate, const BuiltProblem
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
   if (certificate.checks.doubts_optimality_alone()) {
+    const auto& model = certificate.checks.second_order;
+    const std::string repeated = model ? model->doubtful : "";
     print_error("the certificate of the answer " + certificate_line(certificate),
-                "the motion is correct, but its optimality cannot be decided: a problem is "
-                "ill-conditioned if controls or states cost next to nothing; give them a cost, "
-                "larger weights to all costs, or a smaller solver.tolerances.stationarity");
+                repeated.empty()
+                    ? "the motion is correct, but its optimality cannot be decided: a problem is "
+                      "ill-conditioned if controls or states cost next to nothing; give them a "
+                      "cost, larger weights to all costs, or a smaller "
+                      "solver.tolerances.stationarity"
+                    : fmt::format("the motion is correct; leave '{0}' out (--drop {0}) if the rest "
+                                  "implies it, or hold fewer of its rows",
+                                  repeated));
     return std::max<int>(kExitNotConverged, exit_code(status));
   }
   print_error("the certificate of the answer " + certificate_line(certificate),
@@ -269,199 +218,19 @@ int checked_exit_code(const SolutionCertificate& certificate, const BuiltProblem
   return kExitDefect;
 }
 
-/// The task on another grid; empty with errors if that grid cannot be built.
-std::optional<Task> on_other_grid(const SolveArguments& arguments, const Task& task,
-                                  const OtherGrid& grid, Diagnostics& out) {
-  auto built = build_on_grid(task.built, grid, out);
-  if (!built) return std::nullopt;
-  Task other{.built = *std::move(built), .candidates = task.candidates};
-  other.finishing = finishing_time(other.built, !arguments.no_verify);
-  other.grid = grid_setting(task.built, grid.factor);
-  return other;
-}
-
-/// Uses the answer on another grid as the guess.
-void start_from(const Task& former, const SolveResult& answer, Task& task) {
-  task.built.guess = on_grid(*former.built.problem, answer.trajectory, *task.built.problem);
-  task.built.guess_used = former.built.guess_used;
-}
-
-/// Objections of the certificate; `auto` also objects to motions that jump through what they should
-/// go around.
-Doubt doubt_of(const SolveArguments& arguments, const Task& task, const SolverOptions& options) {
-  if (arguments.no_verify) return nullptr;
-  Doubt doubt = certificate_doubt(options, task.judged, tangent_columns(task.built));
-  if (task.asked().name.value != kAutoSolver) return doubt;
-  return [doubt](const ShootingProblem& problem, const SolveResult& result) {
-    Objection objection = doubt(problem, result);
-    const auto jumps = find_jumps(problem, result.trajectory);
-    objection.jumps = !jumps.empty();
-    if (objection.text.empty() && objection.jumps) objection.text = jumps.front().message;
-    return objection;
-  };
-}
-
-using TimePoint = std::chrono::steady_clock::time_point;
-
-/// Solves on successive grids, within the time limit of the command.
-class GridSolve {
- public:
-  GridSolve(const SolveArguments& arguments, TimePoint began, Task& task)
-      : arguments_(arguments), began_(began), task_(task) {}
-
-  /// The answer on the last grid, whose task replaces the member. Without `mesh`, and unless `auto`
-  /// searches further, that is the file's own grid. Empty with errors if a finer grid cannot be
-  /// built.
-  std::optional<SolveResult> run(Diagnostics& out) {
-    SolveResult result = solve(task_, true);
-    if (task_.built.facts().mesh) return refine(std::move(result), out);
-    if (task_.asked().name.value != kAutoSolver || arguments_.no_verify ||
-        task_.asked().options.look_further == 0)
-      return result;
-    if (!jumps_of(task_, result).empty()) return solve_around(std::move(result));
-    if (!is_given_up(result.status)) return result;
-    if (auto other = solve_from_simulation(result)) return other;
-    return climb(task_, std::move(result), 1);
-  }
-
-  const SolverInfo* solver() const { return solver_; }
-  const std::vector<MeshRound>& rounds() const { return rounds_; }
-
- private:
-  /// Limits of `auto`: the knots of a detour, relative to the file's, and the number of times that
-  /// the knots are halved for a guess.
-  static constexpr int kMostKnots = 4, kMostHalvings = 2;
-  /// The maximum value of the option: the first detour is rarely good.
-  static constexpr int kLargestWork = 1'000'000'000;
-
-  /// The time limit may only leave time to evaluate the guess.
-  SolveResult solve(const Task& task, bool first_grid) {
-    return solve(task, first_grid, task.asked().options);
-  }
-  SolveResult solve(const Task& task, bool first_grid, SolverOptions options) {
-    const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - began_;
-    options.max_time_s = std::max(1e-3, options.max_time_s - gone.count() - task.finishing);
-    SolveResult result =
-        solve_showing_progress(task.built, first_grid, doubt_of(arguments_, task, options),
-                               task.candidates, options, verbosity_of(arguments_), solver_);
-    seconds_ += result.times.total;
-    return result;
-  }
-
-  std::optional<SolveResult> refine(SolveResult result, Diagnostics& out) {
-    MeshRefinement mesh(*task_.built.facts().mesh);
-    while (const auto factor = mesh.next(*task_.built.problem, result)) {
-      auto finer = on_other_grid(arguments_, task_, {.factor = *factor}, out);
-      if (!finer) return std::nullopt;
-      start_from(task_, result, *finer);
-      task_ = *std::move(finer);
-      result = solve(task_, false, options_near(task_.asked().options));
-    }
-    rounds_ = mesh.rounds();
-    return result;
-  }
-
-  static std::vector<Finding> jumps_of(const Task& task, const SolveResult& result) {
-    if (!is_success(result.status)) return {};
-    return find_jumps(*task.built.problem, result.trajectory);
-  }
-
-  /// The first answer on a finer grid without jumps, else the former answer.
-  SolveResult solve_around(SolveResult former) {
-    const SolverInfo* const solver = solver_;
-    for (int factor = 2; factor <= kMostKnots; factor *= 2) {
-      Diagnostics ignored;
-      auto finer = on_other_grid(arguments_, task_, {.factor = factor}, ignored);
-      if (!finer) break;
-      SolverOptions options = finer->asked().options;
-      options.look_further = kLargestWork;
-      SolveResult result = solve(*finer, true, options);
-      if (is_stopped(result.status)) break;
-      if (!is_success(result.status) || !jumps_of(*finer, result).empty()) continue;
-      result.message += fmt::format(
-          "; on a grid {} times as fine as the file's, on which all answers jump through '{}'",
-          factor, jumps_of(task_, former).front().subject);
-      result.times.total = seconds_;
-      task_ = *std::move(finer);
-      return result;
-    }
-    solver_ = solver;
-    return former;
-  }
-
-  static bool is_stopped(SolveStatus status) {
-    return status == SolveStatus::time_limit || status == SolveStatus::interrupted;
-  }
-  /// True if all solvers ended without a statement about the problem.
-  bool is_given_up(SolveStatus status) const {
-    return !is_success(status) && !is_stopped(status) && status != SolveStatus::infeasible &&
-           task_.asked().options.max_iterations >= SolverOptions().max_iterations;
-  }
-
-  /// The answer started from a simulation of the guess's controls, with its contacts; empty if the
-  /// simulation or the solve fails.
-  std::optional<SolveResult> solve_from_simulation(const SolveResult& failed) {
-    auto simulated = simulated_guess(*task_.built.problem, task_.built.guess);
-    if (!simulated) return std::nullopt;
-    const SolverInfo* const solver = solver_;
-    std::swap(task_.built.guess, *simulated);
-    SolveResult result = solve(task_, false, options_near(task_.asked().options));
-    result.times.total = seconds_;
-    if (is_success(result.status)) {
-      result.message += fmt::format("; from a simulation of the guess's controls, after {}",
-                                    to_string(failed.status));
-      return result;
-    }
-    std::swap(task_.built.guess, *simulated);
-    solver_ = solver;
-    return std::nullopt;
-  }
-
-  /// The answer started from the answer with the knots of the file halved this often, which may
-  /// itself start from half of those; `failed` without such an answer.
-  SolveResult climb(Task& task, SolveResult failed, int halvings) {
-    const SolverInfo* const solver = solver_;
-    Diagnostics ignored;
-    auto coarse = on_other_grid(arguments_, task, {.halvings = halvings}, ignored);
-    if (!coarse) return failed;
-    SolveResult below = solve(*coarse, false);
-    if (is_given_up(below.status) && halvings < kMostHalvings)
-      below = climb(*coarse, std::move(below), halvings + 1);
-    solver_ = solver;
-    if (!is_success(below.status)) return failed;
-    const Trajectory guess = task.built.guess;
-    start_from(*coarse, below, task);
-    SolveResult result = solve(task, false, options_near(task.asked().options));
-    result.times.total = seconds_;
-    if (is_success(result.status)) {
-      result.message += fmt::format("; from the answer with {} knots, where all solvers failed",
-                                    coarse->built.problem->knots());
-      return result;
-    }
-    task.built.guess = guess;
-    solver_ = solver;
-    failed.times.total = seconds_;
-    return failed;
-  }
-
-  const SolveArguments& arguments_;
-  const TimePoint began_;
-  Task& task_;
-  const SolverInfo* solver_ = nullptr;
-  double seconds_ = 0;  ///< total of all solves
-  std::vector<MeshRound> rounds_;
-};
-
 int solve_file(const SolveArguments& arguments) {
   const auto began = std::chrono::steady_clock::now();
   const Verbosity verbosity = verbosity_of(arguments);
   Diagnostics diagnostics;
-  std::optional<Task> task = prepare(arguments, diagnostics);
+  std::optional<SolveTask> task = prepare(arguments, diagnostics);
   if (task && arguments.verbose) note_auto(*task, diagnostics);
   print_messages(diagnostics, verbosity);
   if (!task || (arguments.report && !reports_can_be_made())) return kExitBadInput;
   create_folder(output_folder(arguments, task->built));  // so that a failure wastes no work
-  GridSolve solve(arguments, began, *task);
+  const auto watch = [verbosity](SolverOptions& options) {
+    return std::make_shared<Watch>(verbosity, options);
+  };
+  GridSolve solve(*task, {.verify = !arguments.no_verify, .began = began, .watch = watch});
   Diagnostics of_grids;  // repeats messages of the first grid
   const auto result = solve.run(of_grids);
   if (!result) {

@@ -1,6 +1,7 @@
 #include "batch/plan/problem_family.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -31,7 +32,17 @@ std::string shape_of(const ShootingProblem& problem) {
 
 std::shared_ptr<const ProblemFamily> ProblemFamily::load(const std::filesystem::path& file,
                                                          const Place& place, Diagnostics& out) {
-  auto document = load_problem(file, place, out);
+  return of(load_problem(file, place, out), out);
+}
+
+std::shared_ptr<const ProblemFamily> ProblemFamily::parse(std::string text,
+                                                          const std::filesystem::path& file,
+                                                          Diagnostics& out) {
+  return of(parse_problem(std::move(text), file, out), out);
+}
+
+std::shared_ptr<const ProblemFamily> ProblemFamily::of(std::optional<ProblemDocument> document,
+                                                       Diagnostics& out) {
   if (!document) return nullptr;
   auto family = std::make_shared<ProblemFamily>();
   family->document_ = *std::move(document);

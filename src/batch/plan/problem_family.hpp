@@ -23,6 +23,11 @@ class ProblemFamily {
   /// reported at `place`.
   static std::shared_ptr<const ProblemFamily> load(const std::filesystem::path& file,
                                                    const Place& place, Diagnostics& out);
+  /// The same from a text. Relative paths are resolved against the folder of `file`, which need not
+  /// exist.
+  static std::shared_ptr<const ProblemFamily> parse(std::string text,
+                                                    const std::filesystem::path& file,
+                                                    Diagnostics& out);
 
   const ProblemDocument& document() const { return document_; }
   /// The texts that places in the file refer to.
@@ -40,6 +45,8 @@ class ProblemFamily {
                                        Diagnostics& out) const;
 
  private:
+  static std::shared_ptr<const ProblemFamily> of(std::optional<ProblemDocument> document,
+                                                 Diagnostics& out);
   /// The base's plant if these settings do not change it, else null.
   const Plant* plant_with(const std::vector<Setting>& settings) const;
 

@@ -5,7 +5,9 @@
 namespace conddp {
 namespace {
 
-thread_local CheckpointScope* innermost = nullptr;
+/// The initial-exec model lets objects without -fPIC be part of a shared library, the Python
+/// module.
+[[gnu::tls_model("initial-exec")]] thread_local CheckpointScope* innermost = nullptr;
 
 }  // namespace
 
