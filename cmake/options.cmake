@@ -48,6 +48,13 @@ add_library(conddp_cold_options INTERFACE)
 target_compile_options(conddp_cold_options INTERFACE
   $<$<CONFIG:Release>:-O1> $<$<AND:$<CXX_COMPILER_ID:GNU>,$<CONFIG:Release>>:-Wno-uninitialized>)
 
+# Functions of a shared library may be replaced at run time, and are therefore not inlined. None of the
+# Python module's is.
+if(CONDDP_PYTHON)
+  target_compile_options(conddp_options INTERFACE
+    $<$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>:-fno-semantic-interposition>)
+endif()
+
 # What the optimiser warns of depends on what it has inlined and how it has vectorised, hence on the
 # processor, and g++ 12 says it of its own headers (_mm512_shuffle_f64x2: its bug 105593). Whether a
 # tree is good must not depend on either: such warnings are never errors.

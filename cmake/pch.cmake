@@ -27,6 +27,13 @@ function(conddp_use_pch target pch)
     return()
   endif()
   target_precompile_headers(${target} REUSE_FROM ${pch})
+  # CMake compiles programs with -fPIE, which does not fit the header of a library with -fPIC.
+  get_target_property(type ${target} TYPE)
+  get_target_property(shared ${target} POSITION_INDEPENDENT_CODE)
+  if(type STREQUAL "EXECUTABLE" AND shared)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
+    target_compile_options(${target} PRIVATE -fPIC -fno-semantic-interposition)
+  endif()
   get_target_property(sources ${target} SOURCES)
   list(FILTER sources INCLUDE REGEX "_kernel\\.cpp$")
   set_source_files_properties(${sources} TARGET_DIRECTORY ${target}

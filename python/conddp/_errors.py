@@ -1,0 +1,12 @@
+"""Exceptions of conddp."""
+
+
+class ProblemError(ValueError):
+    """A problem that cannot be built. The text shows the places and what would be accepted.
+
+    errors: a dictionary for each error, with message, hint, key, file, line, column and accepted.
+    """
+
+    def __init__(self, text, errors=()):
+        super().__init__(text.strip())
+        self.errors = list(errors)

@@ -1,0 +1,120 @@
+"""Robots of MJCF files against MuJoCo: inertia matrix and bias forces of the written URDF, by Pinocchio.
+
+    pip install mujoco pin gymnasium dm_control && pytest python/extras
+"""
+
+import importlib.util
+import pathlib
+
+import numpy
+import pytest
+
+mujoco = pytest.importorskip("mujoco")
+pinocchio = pytest.importorskip("pinocchio")
+
+SPEC = importlib.util.spec_from_file_location(
+    "mjcf", pathlib.Path(__file__).parents[1] / "conddp" / "mjcf.py"
+)
+mjcf = importlib.util.module_from_spec(SPEC)
+SPEC.loader.exec_module(mjcf)
+
+FOLDERS = {
+    "dm_control": ["suite", "mujoco/testing/assets"],
+    "gymnasium": ["envs/mujoco/assets"],
+}
+
+
+def files():
+    found = []
+    for package, folders in FOLDERS.items():
+        spec = importlib.util.find_spec(package)
+        for folder in folders if spec else []:
+            found += sorted((pathlib.Path(spec.origin).parent / folder).glob("*.xml"))
+    return found
+
+
+def state_of(model, names, data):
+    """q and v of Pinocchio's model for those of MuJoCo, and the order of MuJoCo's velocities."""
+    q, v, order = pinocchio.neutral(model), numpy.zeros(model.nv), []
+    for name in model.names[1:]:
+        joint = model.joints[model.getJointId(name)]
+        if name == "root_joint":
+            rotation = numpy.zeros(9)
+            mujoco.mju_quat2Mat(rotation, data.qpos[3:7])
+            rotation = rotation.reshape(3, 3)
+            q[:3], q[3:6], q[6] = data.qpos[:3], data.qpos[4:7], data.qpos[3]
+            v[:3], v[3:6] = rotation.T @ data.qvel[:3], data.qvel[3:6]
+            order += range(6)
+            continue
+        index = names[name]
+        angle = data.qpos[index[0]] - index[2]
+        if joint.nq == 2:
+            q[joint.idx_q : joint.idx_q + 2] = numpy.cos(angle), numpy.sin(angle)
+        else:
+            q[joint.idx_q] = angle
+        v[joint.idx_v] = data.qvel[index[1]]
+        order.append(index[1])
+    return q, v, order
+
+
+@pytest.mark.parametrize("file", files(), ids=lambda file: f"{file.parent.name}/{file.stem}")
+def test_dynamics(file, tmp_path):
+    try:
+        source = mujoco.MjModel.from_xml_path(str(file))
+    except ValueError as error:
+        pytest.skip(str(error))
+    if source.nv == 0:
+        pytest.skip("no joints")
+    try:
+        robot = mjcf.from_mjcf(file, tmp_path)
+    except ValueError as error:
+        pytest.skip(str(error))
+    floating = robot["base"] == "floating"
+    model = (
+        pinocchio.buildModelFromUrdf(robot["urdf"], pinocchio.JointModelFreeFlyer())
+        if floating
+        else pinocchio.buildModelFromUrdf(robot["urdf"])
+    )
+    weightless = source.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    model.gravity.linear = numpy.zeros(3) if weightless else source.opt.gravity
+    names = {}
+    for j in range(source.njnt):
+        name = mujoco.mj_id2name(source, mujoco.mjtObj.mjOBJ_JOINT, j) or f"joint_{j}"
+        names[name] = (
+            source.jnt_qposadr[j], source.jnt_dofadr[j], source.qpos0[source.jnt_qposadr[j]])
+    assert model.nv == source.nv
+    source.opt.disableflags |= (
+        mujoco.mjtDisableBit.mjDSBL_CONTACT | mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    )
+    source.opt.density = source.opt.viscosity = 0
+    data, random = mujoco.MjData(source), numpy.random.default_rng(1)
+    for _ in range(5):
+        data.qpos[:] = source.qpos0
+        step = random.normal(size=source.nv)
+        mujoco.mj_integratePos(source, data.qpos, step, 1.0)
+        data.qvel[:] = random.normal(size=source.nv)
+        mujoco.mj_forward(source, data)
+        q, v, order = state_of(model, names, data)
+        mass = numpy.zeros((source.nv, source.nv))
+        mujoco.mj_fullM(source, data, mass)
+        turn = numpy.eye(source.nv)
+        acceleration = random.normal(size=source.nv)
+        force = mass @ acceleration + data.qfrc_bias
+        pin = pinocchio.Data(model)
+        a = numpy.zeros(model.nv)
+        for place, dof in enumerate(order):
+            a[place] = acceleration[dof]
+        if floating:
+            rotation = numpy.zeros(9)
+            mujoco.mju_quat2Mat(rotation, data.qpos[3:7])
+            rotation = rotation.reshape(3, 3)
+            # Pinocchio's base acceleration is spatial, in the frame of the base.
+            a[:3] = rotation.T @ acceleration[:3] - numpy.cross(v[3:6], v[:3])
+            turn[:3, :3] = rotation
+        found = turn @ pinocchio.rnea(model, pin, q, v, a)
+        for name, inertia in robot.get("rotor_inertia", {}).items():
+            place = model.joints[model.getJointId(name)].idx_v
+            found[place] += inertia * a[place]
+        expected = force[order]
+        size = numpy.abs(expected).max()
+        numpy.testing.assert_allclose(found, expected, atol=1e-9 * max(1, size))
