@@ -37,3 +37,34 @@ install(
     cmake/vector_bytes.cmake
   DESTINATION ${package_dir} COMPONENT library)
 install(DIRECTORY cmake/modules DESTINATION ${package_dir} COMPONENT library)
+
+# scripts/package: the Debian package by CPack, and the archive. The environment names the kind, which
+# `conddp --version` prints.
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright COMPONENT tool)
+install(CODE "
+  if(DEFINED ENV{CONDDP_PACKAGE})
+    file(WRITE \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}/conddp/package\"
+      \"\$ENV{CONDDP_PACKAGE}\\n\")
+  endif()"
+  COMPONENT tool)
+
+# HDF5 is loaded by name, so dpkg-shlibdeps misses it. Ipopt's package depends on any BLAS, even a plain
+# loop.
+execute_process(COMMAND dpkg-query -S */${hdf5_name}
+  OUTPUT_VARIABLE hdf5_package ERROR_QUIET)
+string(REGEX REPLACE ":.*" "" hdf5_package "${hdf5_package}")
+set(CPACK_GENERATOR DEB)
+set(CPACK_COMPONENTS_ALL tool)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+  OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_PACKAGE_CONTACT "The conddp authors")
+set(CPACK_DEBIAN_TOOL_PACKAGE_NAME conddp)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_DEPENDS
+  "${hdf5_package}, libopenblas0-serial | libopenblas0-pthread | libopenblas0-openmp")
+include(CPack)

@@ -42,3 +42,11 @@ add_dependencies(conddp conddp_wider)
 install(PROGRAMS ${wider_tool} DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
 install(FILES ${CONDDP_MODULE_DIR}/${wider_module}
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/conddp COMPONENT tool)
+# `cmake --install --strip` and CPack strip targets only.
+install(CODE "
+  if(CMAKE_INSTALL_DO_STRIP)
+    set(prefix \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}\")
+    execute_process(COMMAND ${CMAKE_STRIP} \"\${prefix}/${CMAKE_INSTALL_BINDIR}/conddp-${wider_set}\"
+      \"\${prefix}/${CMAKE_INSTALL_LIBDIR}/conddp/${wider_module}\")
+  endif()"
+  COMPONENT tool)

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "arguments/installed_data.hpp"
 #include "arguments/parser.hpp"
 #include "arguments/usage.hpp"
 #include "base/files/atomic_file.hpp"
@@ -30,9 +31,9 @@ using namespace conddp;
 
 std::string version_text() {
   const BuildInfo& info = build_info();
-  std::string text = fmt::format("conddp {} (revision {}{})\n{}, {}, {}\n", info.version,
+  std::string text = fmt::format("conddp {} (revision {}{})\n{}, {}, {}, {}\n", info.version,
                                  info.revision, info.dirty ? ", modified" : "", info.compiler,
-                                 info.build_type, info.instruction_set);
+                                 info.build_type, info.instruction_set, installed_package());
   for (const LibraryVersion& library : info.libraries)
     text += fmt::format("{} {}\n", library.name, library.version);
   return text;
@@ -57,8 +58,8 @@ void add_common_options(Command& command) {
 }
 
 /// Subcommands that do not read problem files.
-constexpr std::string_view kWithoutProblems[] = {"compare", "inspect",    "list", "schema",
-                                                 "help",    "completion", "man"};
+constexpr std::string_view kWithoutProblems[] = {"compare", "inspect", "init",       "list",
+                                                 "schema",  "help",    "completion", "man"};
 
 /// Fills `tool`; some subcommands refer to it. `allows_code`: true if --allow-code is given.
 void declare(Command& tool, bool& allows_code) {
@@ -71,9 +72,9 @@ void declare(Command& tool, bool& allows_code) {
                      .target = EndingFlag::kVersion}},
       .commands = {solve_command(), check_command(), verify_command(), contacts_command(),
                    bench_command(), batch_command(), mpc_command(), margins_command(),
-                   compare_command(), regress_command(), inspect_command(), reach_command(),
-                   report_command(), list_command(), schema_command(), completion_command(tool),
-                   man_command(tool), help_command(tool)}};
+                   compare_command(), regress_command(), inspect_command(), init_command(),
+                   reach_command(), report_command(), list_command(), schema_command(),
+                   completion_command(tool), man_command(tool), help_command(tool)}};
   std::vector<std::string> names;
   for (const Command& command : tool.commands) names.push_back(command.short_name());
   add_common_options(tool);

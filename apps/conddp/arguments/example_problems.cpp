@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "arguments/installed_data.hpp"
 #include "base/files/text_file.hpp"
 #include "base/text/spelling.hpp"
 #include "base/text/utf8.hpp"
@@ -30,17 +31,10 @@ std::vector<fs::path> problems_in(const fs::path& folder) {
   return files;
 }
 
-/// Folder relative to the tool, independent of its installation path.
-fs::path installed_folder() {
-  std::error_code error;
-  const fs::path tool = fs::read_symlink("/proc/self/exe", error);
-  return (tool.parent_path() / CONDDP_EXAMPLES_FROM_TOOL).lexically_normal();
-}
-
 }  // namespace
 
 std::vector<fs::path> example_folders() {
-  std::vector<fs::path> folders = {"problems", installed_folder()};
+  std::vector<fs::path> folders = {"problems", installed_data() / "problems"};
   std::erase_if(folders, [](const fs::path& folder) { return problems_in(folder).empty(); });
   return folders;
 }
