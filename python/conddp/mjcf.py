@@ -179,9 +179,8 @@ class _Writer:
             limit.set("lower", _text(low))
             limit.set("upper", _text(high))
         dof = m.jnt_dofadr[index]
-        damping = numpy.atleast_2d(m.dof_damping[dof]).flat[0]
         ElementTree.SubElement(
-            joint, "dynamics", damping=_text(damping), friction=_text(m.dof_frictionloss[dof])
+            joint, "dynamics", damping=_text(m.dof_damping[dof]), friction=_text(m.dof_frictionloss[dof])
         )
         if m.dof_armature[dof] > 0:
             self.rotor_inertia[name] = float(m.dof_armature[dof])

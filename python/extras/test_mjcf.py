@@ -118,3 +118,28 @@ def test_dynamics(file, tmp_path):
         expected = force[order]
         size = numpy.abs(expected).max()
         numpy.testing.assert_allclose(found, expected, atol=1e-9 * max(1, size))
+
+
+def written(tmp_path, bodies):
+    file = tmp_path / "robot.xml"
+    file.write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    return file
+
+
+GEOM = '<geom size="0.1"/>'
+FREE = f'<body name="{{}}"><freejoint/>{GEOM}</body>'
+
+
+def test_ball_joints_are_errors(tmp_path):
+    file = written(tmp_path, f'<body><joint name="hip" type="ball"/>{GEOM}</body>')
+    with pytest.raises(ValueError, match="'hip' is neither a hinge nor a slide"):
+        mjcf.from_mjcf(file)
+
+
+def test_one_of_several_bodies_is_chosen(tmp_path):
+    file = written(tmp_path, FREE.format("robot") + FREE.format("ball"))
+    with pytest.raises(ValueError, match="choose one with body=.*robot.*ball"):
+        mjcf.from_mjcf(file)
+    with pytest.raises(ValueError, match="'box' is no body in the world"):
+        mjcf.from_mjcf(file, body="box")
+    assert mjcf.from_mjcf(file, body="robot")["base"] == "floating"

@@ -27,13 +27,13 @@ struct Answer {
   std::string verdict() const;
   /// True if the solve ended well and its certificate does not deny it.
   bool solved() const;
-  /// Of all nodes, s.
+  /// Times of all nodes, s.
   std::vector<double> times() const { return task.built.problem->times(result.trajectory); }
   /// JSON texts of the columns, of solution.json, of its certificate (or null).
   std::string names() const;
   std::string document() const;
   std::string certificate_text() const;
-  /// The page of the report. Throws std::runtime_error if this build has none.
+  /// The page of the report. Throws std::runtime_error if this build lacks it.
   std::string page() const;
   /// Writes the files of `conddp solve` into a folder; returns their paths.
   std::vector<std::string> write(const std::string& folder, bool with_page) const;

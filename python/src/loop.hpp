@@ -20,7 +20,7 @@ class Loop {
   /// The control at a time (s) and a measured state. If a tick is due, it plans from that state; in
   /// between, the plan in force and its gains act. Times must not decrease.
   pybind11::array_t<double> tick(double time, const Numbers& x);
-  /// Does the work for the next tick that needs no measurement; tick() does it otherwise.
+  /// Does the work for the next tick that precedes its measurement; tick() does it otherwise.
   void prepare();
   /// Time between two plans, s.
   double period() const { return mpc_->options().tick; }

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "batch/run/warm_solve.hpp"
 #include "failure.hpp"
 #include "output/solution/solution_json.hpp"
 #include "problem_file/yaml/canonical_definition.hpp"
@@ -89,10 +90,7 @@ std::shared_ptr<Answer> answer_of(SolveTask& task, const GridSolve::Options& opt
   Diagnostics of_grids;
   auto result = solve.run(of_grids);
   if (!result) throw ProblemFailure(of_grids);
-  if (!solve.rounds().empty())
-    settings.push_back(grid_setting(task.built, solve.rounds().back().factor));
-  else if (!task.grid.empty())
-    settings.push_back(task.grid);
+  settings = solve.with_grid(std::move(settings));
   auto answer = std::make_shared<Answer>(
       Answer{std::move(task), solve.solver(), *std::move(result), std::move(settings),
              solve.rounds(), std::nullopt});
@@ -112,11 +110,7 @@ void start_from(const Answer& former, SolveTask& task) {
   const Eigen::VectorXd initial = built.guess.x(0);
   if (shape_of(from) == shape_of(to)) {
     built.guess = former.result.trajectory;
-    auto multipliers = std::make_shared<DualGuess>();
-    multipliers->constraints = former.result.constraint_multipliers;
-    multipliers->costates = former.result.costates;
-    multipliers->control_gradient = former.result.control_gradient;
-    built.multipliers = std::move(multipliers);
+    built.multipliers = multipliers_of(former.result);
   } else if (from.nx() == to.nx() && from.phases().size() == to.phases().size()) {
     built.guess = on_grid(from, former.result.trajectory, to);
   } else {

@@ -58,7 +58,7 @@ Command init_command() {
   return {.name = "conddp init",
           .description = "Write a first problem file for a robot",
           .details =
-              "The file solves as it is, and each line has a comment. Robots with feet stand or "
+              "The file solves as it is, and has comments. Robots with feet stand or "
               "walk, arms reach, bodies with rotors hover. Contacts are the lowest tips of limbs. "
               "The posture is that of an SRDF beside the URDF, or follows from joint limits and "
               "inverse kinematics. Weights are in proportion to mass and torque limits.",

@@ -237,12 +237,9 @@ int solve_file(const SolveArguments& arguments) {
     print_messages(of_grids, Verbosity::kQuiet);
     return kExitBadInput;
   }
-  Solution solution{task->built, *solve.solver(), *result, overrides(arguments), solve.rounds()};
+  Solution solution{task->built, *solve.solver(), *result, solve.with_grid(overrides(arguments)),
+                    solve.rounds()};
   solution.answer.judged = task->judged;
-  if (!solution.mesh.empty())
-    solution.overrides.push_back(grid_setting(task->built, solution.mesh.back().factor));
-  else if (!task->grid.empty())
-    solution.overrides.push_back(task->grid);
   OrderedJson document = solution_json(solution);
   std::optional<SolutionCertificate> certificate;
   if (!arguments.no_verify) {

@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 
 /// Number of random directions, each followed to both sides.
 constexpr int kDirections = 2;
-/// Steps in ranges. A step of a tenth changes the remainder of a smooth function by a hundredth, of
-/// a kink by a tenth, and of a jump not at all.
+/// Steps in ranges. A tenth of a step leaves a hundredth of the remainder of a smooth function, a
+/// tenth of that of a kink, and all of that of a jump.
 constexpr double kSteps[] = {1e-4, 1e-5, 1e-6, 1e-7};
 constexpr double kLeastRatio = 1.0 / 20;
 /// Smallest fall that counts at one node, and over all nodes, as shares of the cost.
@@ -33,9 +33,13 @@ class KinkSearch {
         ranges_(problem_, point.trajectory),
         least_(kOfNode * cost_size),
         nodes_(problem_),
+        evaluator_(problem_),
+        here_(problem_),
+        there_(problem_),
         worst_(problem_.knots() + 1) {}
 
   std::vector<FallingKink> run() {
+    evaluator_.evaluate(point_.trajectory, here_);
     std::mt19937_64 engine(3);
     for (int direction = 0; direction < kDirections; ++direction) {
       std::vector<VectorXd> moves;
@@ -63,18 +67,15 @@ class KinkSearch {
       problem_.manifold().integrate(moved.x(k).data(), step.data(), moved.x(k).data());
       if (k < problem_.knots()) moved.u(k) += step.tail(step.size() - ndx);
     }
-    Evaluator evaluator(problem_);
-    Evaluation here(problem_), there(problem_);
-    evaluator.evaluate(point_.trajectory, here);
-    evaluator.evaluate(moved, there);
+    evaluator_.evaluate(moved, there_);
     for (int k = 0; k <= problem_.knots(); ++k) {
-      double change = there.cost[k] - here.cost[k];
+      double change = there_.cost[k] - here_.cost[k];
       const int row = problem_.constraint_offset(k);
       const int rows = static_cast<int>(point_.derivatives[k].constraint.rows());
-      change += point_.multipliers.segment(row, rows).dot(there.constraint.segment(row, rows) -
-                                                          here.constraint.segment(row, rows));
+      change += point_.multipliers.segment(row, rows).dot(there_.constraint.segment(row, rows) -
+                                                          here_.constraint.segment(row, rows));
       if (k < problem_.knots())
-        change += point_.costates.col(k + 1).dot(there.gap.col(k) - here.gap.col(k) +
+        change += point_.costates.col(k + 1).dot(there_.gap.col(k) - here_.gap.col(k) +
                                                  kSteps[0] * moves[k + 1].head(ndx));
       if (change - kSteps[0] * slope(k, moves[k]) < -least_ * kSteps[0]) follow(k, moves[k]);
     }
@@ -161,6 +162,8 @@ class KinkSearch {
   MotionRanges ranges_;
   double least_;
   NodeEvaluation nodes_;
+  Evaluator evaluator_;
+  Evaluation here_, there_;  ///< at the point, and along a move
   std::vector<FallingKink> worst_;
 };
 

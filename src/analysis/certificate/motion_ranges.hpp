@@ -19,8 +19,8 @@ class MotionRanges {
   Eigen::VectorXd of_node(const ShootingProblem& problem, int k) const;
   /// The same as units: entries that do not move count as 1.
   Eigen::VectorXd unit(const ShootingProblem& problem, int k) const;
-  /// Largest move of each entry along a direction, in its unit: 1. A control that is zero
-  /// throughout has no range of its own and moves as far as the largest one of its model.
+  /// Largest move of each entry along a direction, in its unit: 1. Controls that are
+  /// zero throughout lack a range and move as far as the largest one of their model.
   Eigen::VectorXd reach(const ShootingProblem& problem, int k) const;
 
  private:

@@ -60,8 +60,8 @@ struct Row {
   double up = std::numeric_limits<double>::infinity();
   const ConstraintTerm* equation = nullptr;  ///< null for rows of inequalities and control bounds
 
-  /// Share of a step z that the bounds allow. Changes of the row that are rounding of z count as
-  /// none: a row at its bound would stop every step along it.
+  /// Share of a step z that the bounds allow. Rounding of z moves rows, too, and such changes do
+  /// not count: a row at its bound would stop every step along it.
   double way(const VectorXd& z) const {
     const double change = a.dot(z);
     if (std::abs(change) <= kNothing * z.lpNorm<Eigen::Infinity>()) return 1;

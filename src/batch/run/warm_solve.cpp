@@ -32,15 +32,16 @@ std::string_view to_string(StartKind kind) {
   return kNames[static_cast<int>(kind)];
 }
 
+std::shared_ptr<const DualGuess> multipliers_of(const SolveResult& result) {
+  return std::make_shared<DualGuess>(
+      DualGuess{result.constraint_multipliers, result.costates, result.control_gradient});
+}
+
 NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverInfo* solver,
                                       const NeighbourAnswer* from) {
   const SolveResult& result = solved.result;
-  auto multipliers = std::make_shared<DualGuess>();
-  multipliers->constraints = result.constraint_multipliers;
-  multipliers->costates = result.costates;
-  multipliers->control_gradient = result.control_gradient;
   const bool cold = from == nullptr || solved.start != StartKind::kWarm;
-  return {result.trajectory, std::move(multipliers), solver,
+  return {result.trajectory, multipliers_of(result), solver,
           cold ? result.iterations : from->cold_iterations};
 }
 

@@ -34,6 +34,9 @@ struct StartedSolve {
   std::shared_ptr<const LastJudged> judged = nullptr;  ///< certificate from the solve, or null
 };
 
+/// The multipliers of an answer, as a guess for a problem of its shape.
+std::shared_ptr<const DualGuess> multipliers_of(const SolveResult& result);
+
 /// The answer of a solve for its neighbors. `from` is the answer that it started from, or null.
 NeighbourAnswer answer_for_neighbours(const StartedSolve& solved, const SolverInfo* solver,
                                       const NeighbourAnswer* from);

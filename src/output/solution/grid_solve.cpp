@@ -84,6 +84,14 @@ std::optional<SolveResult> GridSolve::run(Diagnostics& out) {
   return climb(task_, std::move(result), 1);
 }
 
+std::vector<std::string> GridSolve::with_grid(std::vector<std::string> settings) const {
+  if (!rounds_.empty())
+    settings.push_back(grid_setting(task_.built, rounds_.back().factor));
+  else if (!task_.grid.empty())
+    settings.push_back(task_.grid);
+  return settings;
+}
+
 /// The time limit may only leave time to evaluate the guess.
 SolveResult GridSolve::solve(const SolveTask& task, bool first_grid) {
   return solve(task, first_grid, task.asked().options);

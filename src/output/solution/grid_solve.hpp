@@ -40,7 +40,7 @@ class GridSolve {
     bool verify = true;  ///< false: without certificates, and without what `auto` does for them
     /// Start of the time limit.
     std::chrono::steady_clock::time_point began = std::chrono::steady_clock::now();
-    /// Sets the callbacks of a solve's options. What it returns is kept until that solve ends.
+    /// Sets the callbacks of a solve's options. Its result is kept until that solve ends.
     std::function<std::shared_ptr<void>(SolverOptions&)> watch = nullptr;
   };
 
@@ -53,6 +53,8 @@ class GridSolve {
 
   const SolverInfo* solver() const { return solver_; }
   const std::vector<MeshRound>& rounds() const { return rounds_; }
+  /// These settings and, if it differs from the file's, that of the answer's grid.
+  std::vector<std::string> with_grid(std::vector<std::string> settings) const;
 
  private:
   SolveResult solve(const SolveTask& task, bool first_grid);

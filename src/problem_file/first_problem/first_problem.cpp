@@ -14,7 +14,6 @@ namespace conddp {
 namespace {
 
 using MotionKind = FirstMotion::Kind;
-constexpr double kGravity = 9.81;  // m/s², of weights and durations
 
 /// Lines of YAML with comments in a column.
 class CommentedLines {
@@ -65,7 +64,7 @@ class FirstProblemWriter {
         robot_(survey_.plant.robot()),
         floating_(survey_.base == UrdfOptions::Base::floating) {}
 
-  /// Completes the motion; reports one that does not fit the robot.
+  /// Completes the motion. Reports a motion that the robot cannot perform.
   bool prepare(Diagnostics& out) {
     choose_motion();
     if (!survey_.feet.empty()) {
@@ -185,10 +184,11 @@ class FirstProblemWriter {
     return true;
   }
 
-  /// Sizes to which weights and durations are in proportion.
+  /// Measures the sizes that scale weights and durations.
   void measure() {
     const MultibodySystem& system = *survey_.plant.multibody();
-    weight_ = kGravity * robot_.total_mass();
+    const double gravity = std::sqrt(squared_norm(robot_.gravity));
+    weight_ = gravity * robot_.total_mass();
     const RobotData<double> data = data_in_state(system, survey_.x);
     for (const Limb& foot : survey_.feet) {
       const int hip = foot.joints.front();
@@ -212,7 +212,7 @@ class FirstProblemWriter {
     torque_ = weight_ * std::max({height_, length_, 0.1});
     if (!limits.empty()) torque_ = std::min(torque_, limits[limits.size() / 2]);
     // Legs swing as pendulums do, within about half of their period.
-    if (walks()) step_ = rounded(std::sqrt(std::max(height_, 0.05) / kGravity) / 12);
+    if (walks()) step_ = rounded(std::sqrt(std::max(height_, 0.05) / gravity) / 12);
   }
   Vector3<double> frame_position(int frame) const {
     return placement_in_state(*survey_.plant.multibody(), survey_.x, frame).p;

@@ -17,7 +17,7 @@ struct FirstMotion {
 };
 
 /// The text of a problem file for a robot that solves as it is: contacts at its feet, a standing
-/// posture, weights in proportion to its mass and torque limits, a comment on each line. Paths are
+/// posture, weights in proportion to its mass and torque limits, and comments. Paths are
 /// relative to `folder`. Reports robots and motions that do not fit.
 std::optional<std::string> first_problem(const std::filesystem::path& urdf,
                                          const FirstMotion& motion,

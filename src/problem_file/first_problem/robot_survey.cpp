@@ -160,7 +160,7 @@ class Branches {
     for (; joint >= 0; joint = inner(joint)) chain.insert(chain.begin(), joint);
     return chain;
   }
-  /// Those of them that move no other end.
+  /// Joints of the chain that move this end alone.
   std::vector<int> own_chain(int end) const {
     std::vector<int> own;
     for (int joint = end; joint >= 0 && (joint == end || children_[joint] == 1);
@@ -196,7 +196,7 @@ int outermost_frame(const RobotModel& robot, const RobotData<double>& data, int 
     const double distance =
         squared_norm(direction) > 0 ? dot(direction, p) : std::sqrt(squared_norm(p));
     if (upright && !is_upright(pose)) continue;
-    // Of frames at one place, within the rounding of a file, the one with the shortest name counts.
+    // The shortest name wins among frames at one place, within the rounding of a file.
     constexpr double kSame = 1e-4;  // m
     const bool shorter = best && robot.frames[i].name.size() < robot.frames[*best].name.size();
     if (distance > farthest + kSame || (distance > farthest - kSame && shorter))
@@ -256,7 +256,7 @@ bool has_rotor(const RobotModel& robot, int joint) {
 
 /// Locks fingers, wheels and rotors where they are. A hand begins where a chain branches, behind
 /// the larger part of its joints and three at least, which place the hand. Wheels are behind as
-/// many, and have no room between their limits. Rotors turn on the root link, without effort.
+/// many, with equal limits. Rotors turn on the root link, without effort.
 void lock_ends(RobotSurvey& survey) {
   const RobotModel& robot = survey.plant.robot();
   const MultibodySystem& system = *survey.plant.multibody();

@@ -38,7 +38,7 @@ bool is_sole(const Limb& foot);
 /// True if the axis z points up, within 8 degrees.
 bool is_upright(const SE3<double>& pose);
 
-/// Limits of a joint. Equal ones, as files have them that give none, count as no limits.
+/// Limits of a joint. Equal ones, as in files that leave limits out, do not count.
 MultibodySystem::JointLimits given_limits(const MultibodySystem& system, int joint);
 
 /// A name as YAML: in quotes where YAML would read something else.
