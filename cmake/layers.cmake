@@ -13,7 +13,7 @@ set(CONDDP_solvers_FOLDERS
 set(CONDDP_analysis_FOLDERS derivatives certificate contact findings comparison terminal margins)
 set(CONDDP_problem_file_FOLDERS yaml model values data plant motion residuals lower read mesh terms assemble expand first_problem)
 set(CONDDP_output_FOLDERS solution schedule scene mpc report bench)
-set(CONDDP_batch_FOLDERS plan results run cluster)
+set(CONDDP_batch_FOLDERS plan results run cluster session)
 
 # The folders of the tool, apps/conddp, lowest first, with the same rule: the process and its streams,
 # what stands on a command line, what the tool says about itself and about problems and answers, and the

@@ -70,11 +70,12 @@ void declare(Command& tool, bool& allows_code) {
       .arguments = {{.names = {"--version"},
                      .description = "Print the version and how it was built",
                      .target = EndingFlag::kVersion}},
-      .commands = {solve_command(), check_command(), verify_command(), contacts_command(),
-                   bench_command(), batch_command(), mpc_command(), margins_command(),
-                   compare_command(), regress_command(), inspect_command(), init_command(),
-                   reach_command(), report_command(), list_command(), schema_command(),
-                   completion_command(tool), man_command(tool), help_command(tool)}};
+      .commands = {
+          solve_command(),   check_command(),          verify_command(),  contacts_command(),
+          bench_command(),   batch_command(),          mpc_command(),     margins_command(),
+          compare_command(), regress_command(),        inspect_command(), init_command(),
+          reach_command(),   report_command(),         serve_command(),   list_command(),
+          schema_command(),  completion_command(tool), man_command(tool), help_command(tool)}};
   std::vector<std::string> names;
   for (const Command& command : tool.commands) names.push_back(command.short_name());
   add_common_options(tool);

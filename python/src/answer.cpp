@@ -8,17 +8,6 @@
 namespace conddp::python {
 namespace {
 
-OrderedJson document_of(const Answer& answer) {
-  const Solution solution = answer.solution();
-  OrderedJson document = solution_json(solution);
-  if (answer.certificate) {
-    SolutionCertificate certificate = *answer.certificate;
-    note_nulls(document, certificate.checks);
-    add_certificate(certificate_json(certificate), document);
-  }
-  return document;
-}
-
 std::string page_of(const Answer& answer, const OrderedJson& document) {
   if (!missing_for_reports().empty())
     throw std::runtime_error("reports cannot be made: " + std::string(missing_for_reports()));
@@ -28,10 +17,6 @@ std::string page_of(const Answer& answer, const OrderedJson& document) {
 }
 
 }  // namespace
-
-Solution Answer::solution() const {
-  return {task.built, *solver, result, settings, mesh};
-}
 
 std::string Answer::verdict() const {
   return certificate ? std::string(to_string(certificate->checks.verdict())) : "";
@@ -44,19 +29,22 @@ bool Answer::solved() const {
 
 std::string Answer::names() const { return motion_names(task.built).dump(); }
 
-std::string Answer::document() const { return document_of(*this).dump(); }
-
 std::string Answer::certificate_text() const {
   return certificate ? certificate_json(*certificate).dump() : "null";
 }
 
-std::string Answer::page() const { return page_of(*this, document_of(*this)); }
+std::string Answer::page() const { return page_of(*this, document()); }
 
-std::vector<std::string> Answer::write(const std::string& folder, bool with_page) const {
-  const OrderedJson document = document_of(*this);
+std::vector<std::string> Answer::write(const std::string& folder, bool with_page,
+                                       const std::string& formats) const {
+  const auto chosen = parse_output_formats(formats);
+  if (!chosen)
+    throw std::invalid_argument("formats: '" + formats + "' is not a list of " +
+                                std::string(kOutputFormats));
+  const OrderedJson own = document();
   std::vector<std::string> written;
-  for (const auto& path : write_solution(solution(), document, folder,
-                                         with_page ? page_of(*this, document) : std::string()))
+  for (const auto& path : write_solution(solution(), own, folder,
+                                         with_page ? page_of(*this, own) : std::string(), *chosen))
     written.push_back(path.string());
   return written;
 }

@@ -1,26 +1,15 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "output/report/solution_certificate.hpp"
-#include "output/solution/grid_solve.hpp"
-#include "output/solution/solution.hpp"
+#include "batch/session/kept_problem.hpp"
 
 namespace conddp::python {
 
-/// An answer with its problem. It does not change any more, and may be shared by threads.
-struct Answer {
-  SolveTask task;  ///< on the grid of the answer
-  const SolverInfo* solver;
-  SolveResult result;
-  std::vector<std::string> settings;
-  std::vector<MeshRound> mesh;
-  std::optional<SolutionCertificate> certificate;
-
-  Solution solution() const;
+/// An answer as Python sees it.
+struct Answer : KeptAnswer {
   std::string status() const { return std::string(to_string(result.status)); }
   std::string solver_name() const { return std::string(solver->name); }
   /// "" without a certificate.
@@ -31,12 +20,13 @@ struct Answer {
   std::vector<double> times() const { return task.built.problem->times(result.trajectory); }
   /// JSON texts of the columns, of solution.json, of its certificate (or null).
   std::string names() const;
-  std::string document() const;
+  std::string document_text() const { return document().dump(); }
   std::string certificate_text() const;
   /// The page of the report. Throws std::runtime_error if this build lacks it.
   std::string page() const;
-  /// Writes the files of `conddp solve` into a folder; returns their paths.
-  std::vector<std::string> write(const std::string& folder, bool with_page) const;
+  /// Writes the files of `conddp solve` in these forms into a folder; returns their paths.
+  std::vector<std::string> write(const std::string& folder, bool with_page,
+                                 const std::string& formats) const;
 };
 
 }  // namespace conddp::python

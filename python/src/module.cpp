@@ -5,7 +5,6 @@
 #include <pybind11/stl.h>
 
 #include "answer.hpp"
-#include "failure.hpp"
 #include "loop.hpp"
 #include "problem.hpp"
 
@@ -15,7 +14,7 @@ using namespace conddp::python;
 namespace {
 
 /// Raises conddp.ProblemError with the text of all errors and each of them as a dictionary.
-void raise(const ProblemFailure& failure) {
+void raise(const conddp::ProblemFailure& failure) {
   py::list entries;
   for (const conddp::Diagnostic& d : failure.errors) {
     py::dict entry;
@@ -75,7 +74,7 @@ PYBIND11_MODULE(_core, m) {
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
-    } catch (const ProblemFailure& failure) {
+    } catch (const conddp::ProblemFailure& failure) {
       raise(failure);
     }
   });
@@ -94,7 +93,7 @@ PYBIND11_MODULE(_core, m) {
       .def_property_readonly("u", &controls)
       .def_property_readonly("K", &gains)
       .def("names", &Answer::names)
-      .def("document", &Answer::document, py::call_guard<py::gil_scoped_release>())
+      .def("document", &Answer::document_text, py::call_guard<py::gil_scoped_release>())
       .def("certificate", &Answer::certificate_text)
       .def("page", &Answer::page, py::call_guard<py::gil_scoped_release>())
       .def("write", &Answer::write, py::call_guard<py::gil_scoped_release>());

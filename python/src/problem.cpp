@@ -3,17 +3,11 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
-#include <filesystem>
 #include <mutex>
 #include <thread>
 
 #include <fmt/format.h>
 
-#include "batch/run/warm_solve.hpp"
-#include "failure.hpp"
-#include "output/solution/solution_json.hpp"
-#include "problem_file/yaml/canonical_definition.hpp"
-#include "problem_file/yaml/key_path.hpp"
 
 namespace py = pybind11;
 
@@ -84,42 +78,10 @@ class Watch {
   std::exception_ptr error_;
 };
 
-std::shared_ptr<Answer> answer_of(SolveTask& task, const GridSolve::Options& options,
+std::shared_ptr<Answer> answer_of(SolveTask task, const GridSolve::Options& options,
                                   std::vector<std::string> settings) {
-  GridSolve solve(task, options);
-  Diagnostics of_grids;
-  auto result = solve.run(of_grids);
-  if (!result) throw ProblemFailure(of_grids);
-  settings = solve.with_grid(std::move(settings));
-  auto answer = std::make_shared<Answer>(
-      Answer{std::move(task), solve.solver(), *std::move(result), std::move(settings),
-             solve.rounds(), std::nullopt});
-  if (options.verify) {
-    Solution solution = answer->solution();
-    solution.answer.judged = answer->task.judged;
-    answer->certificate = certify_answer(solution);
-  }
-  return answer;
-}
-
-/// Starts from an answer, on the grid of the task.
-void start_from(const Answer& former, SolveTask& task) {
-  const ShootingProblem& from = *former.task.built.problem;
-  const ShootingProblem& to = *task.built.problem;
-  BuiltProblem& built = task.built;
-  const Eigen::VectorXd initial = built.guess.x(0);
-  if (shape_of(from) == shape_of(to)) {
-    built.guess = former.result.trajectory;
-    built.multipliers = multipliers_of(former.result);
-  } else if (from.nx() == to.nx() && from.phases().size() == to.phases().size()) {
-    built.guess = on_grid(from, former.result.trajectory, to);
-  } else {
-    throw std::invalid_argument(
-        "warm_start: the answer has other states or phases than this problem");
-  }
-  built.guess.x(0) = initial;
-  built.guess_used.states = built.guess_used.controls = "a former answer";
-  built.guess_used.multipliers = built.multipliers ? "those of the former answer" : "none";
+  return std::make_shared<Answer>(
+      Answer{solve_task(std::move(task), options, std::move(settings))});
 }
 
 void take(const py::array_t<double, py::array::c_style>& numbers, const char* name, int knot,
@@ -148,67 +110,21 @@ void start_from(const Problem::Guess& guess, SolveTask& task) {
 
 }  // namespace
 
-Problem Problem::load(const std::string& file) {
-  Diagnostics out;
-  auto family = ProblemFamily::load(file, {}, out);
-  if (!family) throw ProblemFailure(out);
-  return Problem(std::move(family));
-}
-
-Problem Problem::parse(const std::string& text, const std::string& folder) {
-  Diagnostics out;
-  auto family = ProblemFamily::parse(text, std::filesystem::path(folder) / "problem.yaml", out);
-  if (!family) throw ProblemFailure(out);
-  return Problem(std::move(family));
-}
-
-void Problem::set(const std::string& key, const std::string& value) {
-  Diagnostics out;
-  if (!parse_setting(key + "=" + value, out)) throw ProblemFailure(out);
-  settings_[key] = value;
-}
-
 std::string Problem::get(const std::string& key) const {
-  YamlNode root = family_->document().root;
-  Diagnostics out = family_->texts();
-  for (const Setting& setting : parse_settings(texts({}), out)) apply_setting(root, setting, out);
-  const YamlNode* node = find_present(root, key);
-  if (out.has_errors()) throw ProblemFailure(out);
-  if (node == nullptr) throw std::out_of_range(key);
-  return json_of(*node).dump();
-}
-
-std::vector<std::string> Problem::texts(const Settings& more) const {
-  Settings all = settings_;
-  for (const auto& [key, value] : more) all[key] = value;
-  std::vector<std::string> list;
-  for (const auto& [key, value] : all) list.push_back(key + "=" + value);
-  return list;
-}
-
-SolveTask Problem::task(const std::vector<std::string>& settings, Diagnostics& out) const {
-  const std::vector<Setting> parsed = parse_settings(settings, out);
-  auto built = family_->build(parsed, out);
-  if (!built || out.has_errors()) throw ProblemFailure(out);
-  SolveTask task{.built = *std::move(built)};
-  task.candidates = usable_solvers(task.built, out);
-  if (task.candidates.empty()) throw ProblemFailure(out);
-  return task;
+  const auto value = kept_.get(key);
+  if (!value) throw std::out_of_range(key);
+  return value->dump();
 }
 
 std::vector<std::string> Problem::check() const {
-  Diagnostics out = family_->texts();
-  task(texts({}), out);
+  Diagnostics out = kept_.texts();
+  kept_.build(kept_.settings(), out);
   return told(out);
 }
 
 std::string Problem::describe() const {
-  Diagnostics out = family_->texts();
-  const BuiltProblem built = task(texts({}), out).built;
-  OrderedJson json = motion_names(built);
-  json["name"] = built.facts().name.value;
-  json["knots"] = built.problem->knots();
-  return json.dump();
+  Diagnostics out = kept_.texts();
+  return problem_outline(kept_.build(kept_.settings(), out).built).dump();
 }
 
 std::shared_ptr<Answer> Problem::solve(const Settings& more,
@@ -217,19 +133,19 @@ std::shared_ptr<Answer> Problem::solve(const Settings& more,
                                        const py::object& on_iteration) const {
   const auto began = Clock::now();
   Watch watch(on_iteration);
-  const std::vector<std::string> settings = texts(more);
+  const std::vector<std::string> settings = kept_.settings(more);
   std::optional<SolveTask> made;
   {
     const py::gil_scoped_release released;
-    Diagnostics out = family_->texts();
-    made = task(settings, out);
+    Diagnostics out = kept_.texts();
+    made = kept_.build(settings, out);
   }
   if (warm_start) start_from(*warm_start, *made);
   if (guess) start_from(*guess, *made);
   std::shared_ptr<Answer> answer;
   {
     const py::gil_scoped_release released;
-    answer = answer_of(*made,
+    answer = answer_of(*std::move(made),
                        {.verify = verify,
                         .began = began,
                         .watch =
@@ -246,7 +162,7 @@ std::shared_ptr<Answer> Problem::solve(const Settings& more,
 std::vector<std::shared_ptr<Answer>> Problem::solve_many(const std::vector<Settings>& list,
                                                          int jobs, bool verify) const {
   std::vector<std::vector<std::string>> settings;
-  for (const Settings& more : list) settings.push_back(texts(more));
+  for (const Settings& more : list) settings.push_back(kept_.settings(more));
   Watch watch(py::none{});
   std::vector<std::shared_ptr<Answer>> answers(list.size());
   std::exception_ptr failure;
@@ -256,9 +172,8 @@ std::vector<std::shared_ptr<Answer>> Problem::solve_many(const std::vector<Setti
     std::mutex mutex;
     const auto work = [&] {
       for (std::size_t i = next++; i < list.size(); i = next++) try {
-          Diagnostics out = family_->texts();
-          SolveTask own = task(settings[i], out);
-          answers[i] = answer_of(own,
+          Diagnostics out = kept_.texts();
+          answers[i] = answer_of(kept_.build(settings[i], out),
                                  {.verify = verify,
                                   .watch =
                                       [&](SolverOptions& options) {
@@ -281,14 +196,6 @@ std::vector<std::shared_ptr<Answer>> Problem::solve_many(const std::vector<Setti
   watch.rethrow();
   if (failure) std::rethrow_exception(failure);
   return answers;
-}
-
-std::unique_ptr<LoopTask> Problem::build_loop() const {
-  Diagnostics out = family_->texts();
-  const std::vector<Setting> parsed = parse_settings(texts({}), out);
-  auto task = family_->build_loop(parsed, out);
-  if (!task || out.has_errors()) throw ProblemFailure(out);
-  return task;
 }
 
 }  // namespace conddp::python

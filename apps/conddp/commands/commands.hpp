@@ -20,6 +20,7 @@ Command inspect_command();
 Command reach_command();
 Command init_command();
 Command report_command();
+Command serve_command();
 Command list_command();
 Command schema_command();
 

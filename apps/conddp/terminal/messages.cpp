@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
+#include "base/json/diagnostic_json.hpp"
 #include "base/text/utf8.hpp"
 #include "terminal/streams.hpp"
 #include "terminal/terminal.hpp"
@@ -14,17 +13,7 @@ namespace {
 MessageFormat g_format = MessageFormat::kText;
 
 std::string json_line(const Diagnostic& d) {
-  using Json = nlohmann::ordered_json;
-  const auto position = [](int number) { return number > 0 ? Json(number) : Json(); };
-  const Json json = {{"file", d.file.empty() ? Json() : Json(d.file)},
-                     {"line", position(d.line)},
-                     {"column", position(d.line > 0 ? d.column : 0)},
-                     {"path", d.path},
-                     {"severity", severity_name(d.severity)},
-                     {"message", d.message},
-                     {"hint", d.hint},
-                     {"accepted", d.accepted}};
-  return terminal_text(json.dump(-1, ' ', false, Json::error_handler_t::replace)) + "\n";
+  return terminal_text(compact_json(diagnostic_json(d))) + "\n";
 }
 
 std::string json_lines(const Diagnostics& diagnostics, Severity least) {
