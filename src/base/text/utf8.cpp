@@ -92,6 +92,10 @@ std::string printable(const Character& c) {
 std::size_t find_bad_character(std::string_view text) {
   for (std::size_t i = 0; i < text.size();) {
     const unsigned byte = static_cast<unsigned char>(text[i]);
+    if (byte >= ' ' && byte < 0x7f) {
+      ++i;
+      continue;
+    }
     if (is_control(byte) && byte != '\t' && byte != '\n' && byte != '\r') return i;
     const std::size_t length = character_length(text, i);
     if (length == 0) return i;
