@@ -149,9 +149,17 @@ class Answer:
             out.write(page)
         return None
 
-    def save(self, folder: Union[str, os.PathLike], report: bool = False) -> List[str]:
-        """Writes solution.json, trajectory.csv and iterations.csv, all or none; returns paths."""
-        return self._core.write(os.fspath(folder), report)
+    def save(
+        self,
+        folder: Union[str, os.PathLike],
+        report: bool = False,
+        formats: Sequence[str] = ("json", "csv"),
+    ) -> List[str]:
+        """Writes solution.json, trajectory.csv and iterations.csv, all or none; returns paths.
+
+        formats: 'json', 'csv' and 'npz' (trajectory.npz, for numpy.load).
+        """
+        return self._core.write(os.fspath(folder), report, ",".join(formats))
 
     def to_frame(self):
         """States and controls as a pandas.DataFrame, indexed by time; the last node has no u."""

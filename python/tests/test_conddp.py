@@ -120,6 +120,26 @@ def test_unknown_solver_is_an_error(mass):
         mass.solve("newton")
 
 
+def test_npz_has_the_arrays(tmp_path):
+    answer = conddp.load(PROBLEMS / "quadruped_trot.yaml").solve(verify=False)
+    assert answer.save(tmp_path, formats=["npz"]) == [str(tmp_path / "trajectory.npz")]
+    with numpy.load(tmp_path / "trajectory.npz") as stored:
+        assert list(stored["x_names"]) == answer.names["x"]
+        assert list(stored["u_units"]) == answer.names["units"]["u"]
+        for name in ("t", "x", "u"):
+            assert numpy.array_equal(stored[name], getattr(answer, name))
+        assert numpy.array_equal(stored["K"], numpy.stack(answer.K))
+        assert stored["costates"].shape == (len(answer.t), stored["K"].shape[2])
+        forces = answer.document["trajectory"]["contact_forces"]
+        for name, rows in forces.items():
+            held = numpy.array([row is not None for row in rows])
+            force = stored["contact/" + name]
+            assert numpy.isnan(force[~held]).all() and held.any()
+            assert numpy.array_equal(force[held][:, :3], numpy.array([r for r in rows if r]))
+    with pytest.raises(ValueError, match="formats"):
+        answer.save(tmp_path, formats=["hdf5"])
+
+
 def test_warm_starts_save_iterations(mass):
     cold = mass.solve("ipopt")
     warm = mass.solve("ipopt", warm_start=cold)

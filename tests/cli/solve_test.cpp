@@ -1,5 +1,6 @@
 #include <cstdlib>
 #include <fstream>
+#include <set>
 
 #include <signal.h>
 #include <sys/stat.h>
@@ -9,6 +10,7 @@
 
 #include "long_problem.hpp"
 #include "process.hpp"
+#include "support/source_tree.hpp"
 
 namespace conddp {
 namespace {
@@ -161,6 +163,52 @@ terminal: {constraints: {there: {residual: state, columns: [x, v], reference: [4
       std::sscanf(r.out.c_str() + line, "  durations     push %lf s, pull %lf s", &push, &pull), 2);
   EXPECT_NEAR(push, 2, 1e-6);
   EXPECT_NEAR(pull, 2, 1e-6);
+}
+
+TEST(Solve, SummaryAndHeadTellFreeParameters) {
+  const TemporaryFolder folder;
+  // The lightest mass needs the least force.
+  const std::string file = folder.write("light.yaml", R"(conddp: 1
+parameters: {mass: {free: true, lower: 0.5, upper: 2}}
+system: {states: {x: m, v: m/s}, controls: {f: N}, rate: {x: v, v: f/mass}}
+initial_state: {values: {x: 0}}
+phases: [{name: go, knots: 10, duration: 1}]
+costs: {effort: {residual: control}}
+terminal: {constraints: {there: {residual: state, columns: [x, v], reference: [1, 0]}}}
+solver: {name: altro}
+)");
+  const ProcessResult r = run_conddp({"solve", file, "-o", folder.path() / "out"});
+  EXPECT_EQ(r.exit_code, 0) << r.err;
+  EXPECT_NE(r.out.find("  parameters    mass 0.5 (its lower limit)\n"), std::string::npos) << r.out;
+  const auto document = nlohmann::json::parse(read_file(folder.path() / "out/solution.json"));
+  const auto& mass = document["free_numbers"][0];
+  EXPECT_EQ(mass["name"], "mass");
+  EXPECT_EQ(mass["limit"], "lower");
+  EXPECT_NEAR(mass["value"].get<double>(), 0.5, 1e-9);
+}
+
+TEST(Solve, FormatsSelectTheFiles) {
+  const TemporaryFolder folder;
+  const auto solve = [&](const std::string& formats) {
+    return run_conddp({"solve", kPendulum, "-o", folder.path(), "--output-format", formats});
+  };
+  const auto files = [&] {
+    std::set<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
+      names.insert(entry.path().filename());
+    return names;
+  };
+  EXPECT_EQ(solve("json,csv,npz").exit_code, 0);
+  EXPECT_EQ(files(), (std::set<std::string>{"iterations.csv", "solution.json", "trajectory.csv",
+                                            "trajectory.npz"}));
+  EXPECT_EQ(solve("npz").exit_code, 0);
+  EXPECT_EQ(files(), std::set<std::string>{"trajectory.npz"});
+  for (const char* list : {"", "hdf5", "json,", "json;csv"}) {
+    const ProcessResult r = solve(list);
+    EXPECT_EQ(r.exit_code, 2) << list;
+    EXPECT_NE(r.err.find("--output-format"), std::string::npos) << r.err;
+  }
+  EXPECT_EQ(files(), std::set<std::string>{"trajectory.npz"});
 }
 
 TEST(Solve, DefaultFolderHasTheNameOfTheProblem) {

@@ -32,6 +32,7 @@ namespace {
 struct SolveArguments : ProblemArguments {
   std::vector<std::string> others;  ///< further files
   std::string warm_start;
+  std::string formats = "json,csv";
   bool report = false;
   bool no_verify = false;
 };
@@ -158,7 +159,8 @@ std::vector<std::string> write_files(const SolveArguments& arguments, const Solu
                                      .built = &solution.built}}));
   const auto folder = output_folder(arguments, solution.built);
   std::vector<std::string> written;
-  for (const auto& path : write_solution(solution, document, folder, page))
+  for (const auto& path :
+       write_solution(solution, document, folder, page, *parse_output_formats(arguments.formats)))
     written.push_back(path.string());
   return written;
 }
@@ -333,6 +335,18 @@ Command solve_command() {
                            "interpolated to this problem's knots, instead of the file's initial "
                            "guess",
             .target = &a->warm_start},
+           {.names = {"--output-format"},
+            .value = "LIST",
+            .description = "Forms of the answer, separated by commas: json (solution.json), csv "
+                           "(trajectory.csv, iterations.csv), npz (trajectory.npz for NumPy)",
+            .check =
+                [](const std::string& list) {
+                  return parse_output_formats(list)
+                             ? std::string()
+                             : fmt::format("'{}' is not a list of {}", list, kOutputFormats);
+                },
+            .fallback = a->formats,
+            .target = &a->formats},
            max_time_argument(a->max_time, "Stop after this many seconds"),
            threads_argument(a->threads, "Threads; results do not depend on it"),
            flag({"--quiet"}, a->quiet, "Print nothing but errors"),

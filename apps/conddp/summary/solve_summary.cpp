@@ -7,34 +7,29 @@
 #include "output/report/certificate_report.hpp"
 #include "output/report/contact_report.hpp"
 #include "output/solution/finding_report.hpp"
-#include "solvers/common/control_bounds.hpp"
+#include "output/solution/free_numbers.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "summary/summary.hpp"
 
 namespace conddp {
 namespace {
 
-/// " (its lower limit)", or upper, if that limit holds a number of the initial choice.
-std::string limit_text(const Solution& s, int choice) {
-  const ControlBounds bounds(*s.built.problem);
-  const double value = s.result.trajectory.u(0)[choice];
-  if (bounds.at_lower(0, choice, value)) return " (its lower limit)";
-  return bounds.at_upper(0, choice, value) ? " (its upper limit)" : "";
-}
-
-/// Durations of the phases with a free duration.
-std::string durations_line(const Solution& s) {
-  std::string text;
-  const std::vector<double> times = s.built.problem->times(s.result.trajectory);
-  int first = 0;
-  for (const Phase& phase : s.built.problem->phases()) {
-    const int next = first + phase.knots();
-    if (const auto& free = phase.model->step().duration())
-      text += fmt::format("{}{} {:.9g} s{}", text.empty() ? "" : ", ", phase.name,
-                          times[next] - times[first], limit_text(s, free->choice));
-    first = next;
+/// Free durations and parameters, those of one kind on one line.
+std::string free_number_lines(const Solution& s) {
+  constexpr std::string_view kDuration = "duration/";
+  std::string durations, parameters;
+  for (const FreeNumber& number : free_numbers(s.built, s.result.trajectory)) {
+    const bool duration = number.name.starts_with(kDuration);
+    std::string& text = duration ? durations : parameters;
+    const bool has_unit = !number.unit.empty() && number.unit != "1";
+    text += fmt::format("{}{} {:.9g}{}{}", text.empty() ? "" : ", ",
+                        duration ? number.name.substr(kDuration.size()) : number.name, number.value,
+                        has_unit ? " " + number.unit : "",
+                        number.limit.empty() ? "" : fmt::format(" (its {} limit)", number.limit));
   }
-  return text.empty() ? text : fmt::format("  durations     {}\n", text);
+  if (!durations.empty()) durations = fmt::format("  durations     {}\n", durations);
+  if (!parameters.empty()) parameters = fmt::format("  parameters    {}\n", parameters);
+  return durations + parameters;
 }
 
 /// The solves of a homotopy: the share and iterations of each and, if it did not converge, its
@@ -118,7 +113,7 @@ std::string answer_lines(const Solution& s) {
   std::string text = fmt::format("  cost          {:.9g}\n", r.cost);
   for (const auto& [name, value] : s.answer.costs)
     text += fmt::format("    {:<20} {:.6g}\n", name, value);
-  text += durations_line(s);
+  text += free_number_lines(s);
   text += fmt::format("  residuals     stationarity {:.2e}, gap {:.2e}, constraint {:.2e}\n",
                       r.residuals.stationarity, r.residuals.gap, r.residuals.constraint);
   text += violation_lines(s.answer.violations, "violated");

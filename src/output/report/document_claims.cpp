@@ -23,6 +23,7 @@ AnswerClaims answer_claims(const Solution& s) {
       .solution = claims_of(problem, s.result, s.answer.values, s.built.facts().solver.options),
       .iterations = s.result.iterations,
       .duration = problem.times(s.result.trajectory).back(),
+      .free_numbers = free_numbers(s.built, s.result.trajectory),
       .constraint_values = s.result.constraint_values,
       .violations = s.answer.violations,
       .soft_violations = s.answer.soft_violations,
@@ -283,6 +284,11 @@ class Reader {
     c.tangent_names = tangent_columns(built_);
     claims_.iterations = count(document_, "iterations");
     claims_.duration = number(at(document_, {"problem", "duration_s"}), "duration_s");
+    if (document_.contains("free_numbers"))
+      for (const Json& entry : solution_list(document_, "free_numbers"))
+        claims_.free_numbers.push_back({solution_text(entry, "name"), member(entry, "value"),
+                                        solution_text(entry, "unit"),
+                                        solution_text(entry, "limit")});
     if (document_.contains("mesh")) {
       const Json& asked = at(document_, {"mesh", "asked"});
       claims_.grid_error = {number(at(document_, {"mesh", "error"}), "mesh.error"),

@@ -12,6 +12,7 @@
 #include "base/json/ordered_json.hpp"
 #include "ocp/problem/by_name.hpp"
 #include "output/solution/contact_forces.hpp"
+#include "output/solution/free_numbers.hpp"
 #include "problem_file/assemble/build.hpp"
 #include "solvers/common/iteration_record.hpp"
 
@@ -24,7 +25,8 @@ struct Solution;
 struct AnswerClaims {
   SolutionClaims solution;
   int iterations = 0;
-  double duration = 0;                ///< s
+  double duration = 0;  ///< s
+  std::vector<FreeNumber> free_numbers;
   Eigen::VectorXd constraint_values;  ///< of all constraint rows of the problem
   std::vector<ConstraintViolation> violations, soft_violations;
   std::vector<std::pair<std::string, double>> dropped;  ///< violations of omitted constraints

@@ -11,6 +11,7 @@
 #include "base/stopwatch.hpp"
 #include "output/report/document_claims.hpp"
 #include "output/solution/finding_report.hpp"
+#include "output/solution/free_numbers.hpp"
 #include "problem_file/assemble/problem_names.hpp"
 
 namespace conddp {
@@ -40,6 +41,7 @@ class AnswerJudge {
     result_.checks = std::move(known);
     compare_number("duration", claims_.duration, problem_.times(numbers_.trajectory).back(),
                    kCopied);
+    free_numbers();
     constraint_values();
     violations("constraints", claims_.violations,
                violations_by_name(problem_, values_.constraint()));
@@ -88,6 +90,19 @@ class AnswerJudge {
   }
   void compare_number(std::string name, double claimed, double found, double tolerance) {
     add(compared(std::move(name), claimed, found, tolerance));
+  }
+
+  /// Values follow from the trajectory, so that other differences are edits.
+  void free_numbers() {
+    const auto found = conddp::free_numbers(built_, numbers_.trajectory);
+    if (!have_one_size("free_numbers", claims_.free_numbers.size(), found.size())) return;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      FreeNumber claimed = claims_.free_numbers[i];
+      compare_number(found[i].name, claimed.value, found[i].value, kCopied);
+      claimed.value = found[i].value;
+      if (claimed != found[i])
+        fail(found[i].name, "name, unit or limit are others than in the problem");
+    }
   }
 
   /// Compares the values of constraints row by row, more loosely if rounding requires it.

@@ -16,8 +16,10 @@
 #include "ocp/problem/cost_scale.hpp"
 #include "output/solution/csv.hpp"
 #include "output/solution/finding_report.hpp"
+#include "output/solution/free_numbers.hpp"
 #include "output/solution/input_files.hpp"
 #include "output/solution/log_columns.hpp"
+#include "output/solution/npz.hpp"
 #include "problem_file/expand/expand_problem.hpp"
 #include "spatial/lane.hpp"
 
@@ -218,6 +220,7 @@ OrderedJson nulls_json(const OrderedJson& json, const Solution& s) {
   add("problem.options.max_time_s", json["problem"]["options"]["max_time_s"], "without limit");
   add("cost", json["cost"], unknown);
   add("cost_by_name", json["cost_by_name"], unknown);
+  if (json.contains("free_numbers")) add("free_numbers", json["free_numbers"], unknown);
   add("residuals", json["residuals"], unknown);
   add("initial_guess_used.seed", json["initial_guess_used"]["seed"], "nothing is random");
   add("constraints", json["constraints"], unknown);
@@ -276,7 +279,17 @@ OrderedJson attempts_json(const std::vector<Attempt>& attempts) {
   return list;
 }
 
-/// A solution.json with its certificate has 28 members.
+OrderedJson free_numbers_json(const std::vector<FreeNumber>& numbers) {
+  OrderedJson list = OrderedJson::array();
+  for (const FreeNumber& number : numbers)
+    list.push_back({{"name", number.name},
+                    {"value", finite_or_null(number.value)},
+                    {"unit", number.unit},
+                    {"limit", number.limit}});
+  return list;
+}
+
+/// A solution.json with its certificate has 29 members.
 constexpr std::size_t kMostMembers = 32;
 
 OrderedJson head(const Solution& s) {
@@ -297,6 +310,8 @@ OrderedJson head(const Solution& s) {
   json["cost"] = finite_or_null(r.cost);
   json["cost_by_name"] = std::move(costs);
   if (const double scale = cost_scale(*s.built.problem); scale != 1) json["cost_scale"] = scale;
+  if (const auto list = free_numbers(s.built, r.trajectory); !list.empty())
+    json["free_numbers"] = free_numbers_json(list);
   json["iterations"] = r.iterations;
   json["residuals"] = residuals_json(r.residuals);
   json["time_s"] = {{"total", r.times.total},
@@ -393,25 +408,47 @@ OrderedJson solution_json(const Solution& s) {
   return json;
 }
 
+std::optional<OutputFormats> parse_output_formats(std::string_view list) {
+  OutputFormats formats{.json = false, .csv = false};
+  for (std::size_t start = 0; start <= list.size();) {
+    const std::size_t end = std::min(list.find(',', start), list.size());
+    const std::string_view word = list.substr(start, end - start);
+    bool* const chosen = word == "json"  ? &formats.json
+                         : word == "csv" ? &formats.csv
+                         : word == "npz" ? &formats.npz
+                                         : nullptr;
+    if (chosen == nullptr) return std::nullopt;
+    *chosen = true;
+    start = end + 1;
+  }
+  return formats;
+}
+
 std::vector<std::filesystem::path> write_solution(const Solution& solution,
                                                   const OrderedJson& document,
                                                   const std::filesystem::path& folder,
-                                                  const std::string& page) {
+                                                  const std::string& page,
+                                                  const OutputFormats& formats) {
   create_folder(folder);
-  std::vector<std::filesystem::path> paths = {folder / "solution.json", folder / "trajectory.csv",
-                                              folder / "iterations.csv"};
   AtomicFiles files;
-  files.add(paths[0], json_text(document));
-  files.add(paths[1],
-            trajectory_csv(solution.built, solution.result.trajectory, solution.answer.forces));
-  files.add(paths[2], iterations_csv(document.at("log")));
-  if (!page.empty()) files.add(paths.emplace_back(folder / "report.html"), page);
+  std::vector<std::filesystem::path> written, former;
+  const auto add = [&](bool wanted, const char* name, const auto& content) {
+    if (!wanted) return former.push_back(folder / name);
+    files.add(written.emplace_back(folder / name), content());
+  };
+  add(formats.json, "solution.json", [&] { return json_text(document); });
+  add(formats.csv, "trajectory.csv", [&] {
+    return trajectory_csv(solution.built, solution.result.trajectory, solution.answer.forces);
+  });
+  add(formats.csv, "iterations.csv", [&] { return iterations_csv(document.at("log")); });
+  add(formats.npz, "trajectory.npz", [&] { return solution_npz(solution); });
+  add(!page.empty(), "report.html", [&] { return page; });
   files.commit();
-  if (page.empty()) {  // an existing page shows an earlier answer
+  for (const auto& file : former) {
     std::error_code ignored;
-    std::filesystem::remove(folder / "report.html", ignored);
+    std::filesystem::remove(file, ignored);
   }
-  return paths;
+  return written;
 }
 namespace {
 

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analysis/findings/diagnosis.hpp"
@@ -32,13 +34,25 @@ int count_nulls(const OrderedJson& value);
 /// Diagnosis of the solve: pattern, sentence, knot, quantity and remedy.
 OrderedJson diagnosis_json(const Diagnosis& diagnosis);
 
-/// Writes solution.json, trajectory.csv, iterations.csv and, unless the page is empty, report.html
-/// into a folder, which is created if needed. On an OutputError, no file is written. Returns their
-/// paths. `document` is that of the solution (solution_json).
+/// The forms of an answer's files.
+struct OutputFormats {
+  bool json = true;  ///< solution.json
+  bool csv = true;   ///< trajectory.csv, iterations.csv
+  bool npz = false;  ///< trajectory.npz
+};
+inline constexpr std::string_view kOutputFormats = "json,csv,npz";
+/// Parses some of kOutputFormats, separated by commas; nothing for another word or none.
+std::optional<OutputFormats> parse_output_formats(std::string_view list);
+
+/// Writes the files of an answer and, unless the page is empty, report.html into a folder, which is
+/// created if needed. Files of this kind that are not written show an earlier answer, and are
+/// removed. On an OutputError, no file is written. Returns the paths. `document` is that of the
+/// solution (solution_json).
 std::vector<std::filesystem::path> write_solution(const Solution& solution,
                                                   const OrderedJson& document,
                                                   const std::filesystem::path& folder,
-                                                  const std::string& page);
+                                                  const std::string& page,
+                                                  const OutputFormats& formats = {});
 
 /// The trajectory in the document of a solution, NaN for nulls. Throws MalformedSolution if its
 /// shape differs from that of the problem.

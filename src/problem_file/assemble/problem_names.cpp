@@ -214,6 +214,13 @@ Place place_of_most_knots(const BuiltProblem& built) {
   return std::ranges::max_element(built.problem_spec->phases, {}, knots)->knots.place;
 }
 
+std::vector<std::string> free_parameter_names(const BuiltProblem& built) {
+  std::vector<std::string> names;
+  for (const FreeParameter& parameter : built.problem_spec->names.free)
+    names.push_back(parameter.name.value);
+  return names;
+}
+
 bool runs_code(const BuiltProblem& built) {
   const ProblemSpec& spec = *built.problem_spec;
   const auto is_compiled = [](const SystemSpec& one) {

@@ -35,6 +35,10 @@ std::map<std::string, int> watched_frames(const BuiltProblem& built);
 /// Place of the number of knots of the phase that has most of them.
 Place place_of_most_knots(const BuiltProblem& built);
 
+/// Names of the parameters that the solver chooses. Each is a constant state and a control of the
+/// first knot.
+std::vector<std::string> free_parameter_names(const BuiltProblem& built);
+
 /// True if the problem runs compiled code that the file names.
 bool runs_code(const BuiltProblem& built);
 
