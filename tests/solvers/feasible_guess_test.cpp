@@ -89,6 +89,31 @@ TEST(FeasibleGuess, IsKeptIfIterationsRunOut) {
   EXPECT_EQ(kept.iterations, 3);
 }
 
+TEST(FeasibleGuess, GivesWayToAlmostFeasibleAnswers) {
+  const ShootingProblem problem = testing::unicycle_parking(0.6);
+  const auto cost_with = [&](double violation, double multiplier) {
+    return solve_keeping_guess({}, problem.create_trajectory(), false,
+                               [&](const SolverOptions& own, const Trajectory& start) {
+                                 const bool at_once = own.max_iterations == 0;
+                                 SolveResult result(problem);
+                                 result.trajectory = start;
+                                 result.status = SolveStatus::max_iterations;
+                                 result.cost = at_once ? 4 : 1;
+                                 result.residuals.gap = 0;
+                                 result.residuals.constraint = at_once ? 0 : violation;
+                                 result.constraint_multipliers.setConstant(1, multiplier);
+                                 result.log.resize(1);
+                                 result.log.front().cost = 4;
+                                 result.log.front().constraint = 0;
+                                 return result;
+                               })
+        .cost;
+  };
+  EXPECT_EQ(cost_with(1e-4, 100), 1) << "closing the violation costs .01";
+  EXPECT_EQ(cost_with(1e-4, 1e5), 4) << "closing the violation costs 10";
+  EXPECT_EQ(cost_with(0.5, 0), 4) << "multipliers say nothing so far off";
+}
+
 TEST(FeasibleGuess, MakesNoFalseClaim) {
   for (const auto& [cost, violation, of_guess] :
        {std::array{3.9, 0.0, 0.0}, {4.7, 0.0, 1e-3}, {4.7, 0.5, 1e-3}}) {

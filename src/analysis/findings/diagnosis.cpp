@@ -69,8 +69,11 @@ std::string at(int knot) { return knot < 0 ? std::string() : fmt::format(" at kn
 
 /// Remedy for numbers that stop being finite: robots are stiff, and equations have poles and kinks.
 /// If equations have no value at the start, shorter steps do not help.
-std::string remedy_of_growth(const ShootingProblem& problem, bool start, bool without_value) {
-  const bool is_robot = problem.knot(0).model->system().robot_inside() != nullptr;
+std::string remedy_of_growth(const ShootingProblem& problem, const SolveResult& r, bool start,
+                             bool without_value) {
+  // Costs of robots are finite with derivatives, except those by expressions.
+  const bool is_robot = problem.knot(0).model->system().robot_inside() != nullptr &&
+                        r.failed_quantity != "cost gradient";
   const std::string guess =
       !start     ? ""
       : is_robot ? "another first guess (small controls, quasi_static, states near what is "
@@ -132,7 +135,7 @@ Diagnosis growth(const ShootingProblem& problem, const SolveResult& r) {
                       ? (start ? "is not finite along the first guess" : "stopped being finite")
                       : "becomes infinite or NaN in every longer step"),
       r.failed_knot, r.failed_quantity,
-      remedy_of_growth(problem, start, singular.has_value() || (start && r.failed_knot == 0))};
+      remedy_of_growth(problem, r, start, singular.has_value() || (start && r.failed_knot == 0))};
   if (singular) tell_singular_rate(*singular, problem, d);
   return d;
 }

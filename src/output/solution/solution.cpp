@@ -14,6 +14,13 @@ bool is_stuck(DiagnosisPattern pattern) {
          pattern == DiagnosisPattern::undecided;
 }
 
+/// True if the pattern names what is wrong with the problem, whatever its steps are.
+bool is_defect_of_problem(DiagnosisPattern pattern) {
+  return pattern == DiagnosisPattern::no_static_equilibrium ||
+         pattern == DiagnosisPattern::redundant_contacts ||
+         pattern == DiagnosisPattern::free_control;
+}
+
 /// Recommends `auto` if the file's own solver is stuck and `auto` would try others.
 Diagnosis diagnosis_of(const BuiltProblem& built, const SolveResult& result) {
   const SolverSpec& solver = built.facts().solver;
@@ -37,9 +44,11 @@ Answer::Answer(const BuiltProblem& built, const SolveResult& result)
       diagnosis(diagnosis_of(built, result)),
       findings(findings_of(built, result.trajectory, result.feedback.K, values)),
       forces(contact_forces(built, values)) {
-  // Advice from the log does not help while steps are unstable.
+  // Advice from the log does not help while steps are unstable; a defect of the problem comes
+  // first.
   for (const Finding& finding : findings)
-    if (finding.kind == FindingKind::unstable_steps && !is_success(result.status))
+    if (finding.kind == FindingKind::unstable_steps && !is_success(result.status) &&
+        !is_defect_of_problem(diagnosis.pattern))
       diagnosis.remedy = finding.remedy;
   for (const DroppedConstraint& constraint : built.dropped)
     dropped.emplace_back(constraint.name, violation(constraint, *built.problem, result.trajectory));

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -28,11 +29,22 @@ bool satisfies(double gap, double constraint, const SolverOptions::Tolerances& t
   return gap <= t.gap && constraint <= t.constraint;
 }
 
+/// First-order cost of closing the residual of an answer: an upper bound by the multipliers. Only
+/// near feasibility, within the root of the tolerance, do multipliers say that much.
+double price_of_residual(const SolveResult& result, const SolverOptions::Tolerances& t) {
+  const Residuals& r = result.residuals;
+  if (!satisfies(r.gap * r.gap, r.constraint * r.constraint, t))
+    return std::numeric_limits<double>::infinity();
+  return r.constraint * result.constraint_multipliers.lpNorm<1>() +
+         r.gap * result.costates.lpNorm<1>();
+}
+
 bool is_worse(const SolveResult& result, const IterationRecord& guess,
               const SolverOptions::Tolerances& tolerances) {
   if (!has_ended(result.status)) return false;
-  return !satisfies(result.residuals.gap, result.residuals.constraint, tolerances) ||
-         !(result.cost <= guess.cost + tuning::kEqualCost * std::abs(guess.cost));
+  const bool feasible = satisfies(result.residuals.gap, result.residuals.constraint, tolerances);
+  const double cost = result.cost + (feasible ? 0 : price_of_residual(result, tolerances));
+  return !(cost <= guess.cost + tuning::kEqualCost * std::abs(guess.cost));
 }
 
 }  // namespace
