@@ -18,10 +18,25 @@ from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Seque
 import numpy
 
 from . import _core
+from ._dataset import Dataset, read_dataset
 from ._errors import ProblemError
+from ._exports import write_mcap, write_rerun
+from ._extras import needed
 from .mjcf import from_mjcf
 
-__all__ = ["Answer", "Mpc", "Problem", "ProblemError", "from_mjcf", "load", "problem"]
+__all__ = [
+    "Answer",
+    "Dataset",
+    "Mpc",
+    "Problem",
+    "ProblemError",
+    "from_mjcf",
+    "load",
+    "problem",
+    "read_dataset",
+]
+
+_Path = Union[str, "os.PathLike[str]"]
 
 
 def _yaml(value: Any) -> str:
@@ -140,7 +155,7 @@ class Answer:
         """The certificate: verdict, checks with claimed and found figures; None without one."""
         return json.loads(self._core.certificate())
 
-    def report(self, file: Optional[Union[str, os.PathLike]] = None) -> Optional[str]:
+    def report(self, file: Optional[_Path] = None) -> Optional[str]:
         """The page with the motion and its curves: written to a file, or returned as HTML."""
         page = self._core.page()
         if file is None:
@@ -151,7 +166,7 @@ class Answer:
 
     def save(
         self,
-        folder: Union[str, os.PathLike],
+        folder: _Path,
         report: bool = False,
         formats: Sequence[str] = ("json", "csv"),
     ) -> List[str]:
@@ -161,10 +176,9 @@ class Answer:
         """
         return self._core.write(os.fspath(folder), report, ",".join(formats))
 
-    def to_frame(self):
+    def to_frame(self) -> Any:
         """States and controls as a pandas.DataFrame, indexed by time; the last node has no u."""
-        import pandas
-
+        pandas = needed("pandas", "frames", "to_frame()")
         if isinstance(self.u, list):
             raise ValueError("controls differ between phases: take answer.x and answer.u")
         controls = numpy.vstack([self.u, numpy.full((1, self.u.shape[1]), numpy.nan)])
@@ -172,6 +186,22 @@ class Answer:
         return pandas.DataFrame(
             numpy.hstack([self.x, controls]), index=pandas.Index(self.t, name="t"), columns=columns
         )
+
+    def to_mcap(self, file: _Path, start: float = 0.0) -> None:
+        """Writes the motion as MCAP with messages of ROS 2, for Foxglove and others.
+
+        /joint_states (JointState) and /joint_trajectory (JointTrajectory) have the joints, /tf a free
+        base, /robot_description the URDF, and a topic for each column of x and u its number (Float64).
+        The first node is at `start`, s since 1970. Needs the package mcap-ros2-support.
+        """
+        write_mcap(self, os.fspath(file), start)
+
+    def to_rerun(self, file: _Path) -> None:
+        """Writes a recording for Rerun (.rrd): curves of x and u, and the bodies with their shapes.
+
+        Poses are those of the report, rounded to 1e-6 m. Needs the package rerun-sdk.
+        """
+        write_rerun(self, os.fspath(file))
 
     def _repr_html_(self) -> str:
         import html
@@ -306,12 +336,12 @@ class Mpc:
         return self._core.last
 
 
-def load(file: Union[str, os.PathLike]) -> Problem:
+def load(file: _Path) -> Problem:
     """Reads a problem file. Raises ProblemError with the place of each error."""
     return Problem(_core.Problem(os.fspath(file)))
 
 
-def problem(content: Union[str, Mapping[str, Any]], folder: Union[str, os.PathLike] = ".") -> Problem:
+def problem(content: Union[str, Mapping[str, Any]], folder: _Path = ".") -> Problem:
     """A problem from YAML text or a dictionary of its keys; relative paths begin at `folder`."""
     text = content if isinstance(content, str) else _yaml(content)
     return Problem(_core.Problem(text, os.fspath(folder)))

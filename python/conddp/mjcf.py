@@ -8,7 +8,11 @@ from xml.etree import ElementTree
 
 import numpy
 
+from ._extras import needed
+
 _FREE, _BALL, _SLIDE, _HINGE = range(4)
+#: Actuators at joints; for hinges and slides, the second kind (in the parent's axes) is the same.
+_JOINT_TRANSMISSIONS = (0, 1)
 #: Stands for limits that the file does not give; URDF has no way to leave them out of a joint with a range.
 _UNLIMITED = 1e9
 
@@ -98,6 +102,10 @@ class _Writer:
             "passive": {"damping": "urdf", "friction": "urdf" if friction else "none"},
             "configurations": self.configurations(),
         }
+        driven = [name for joint, name in self.joints.items() if self.actuators(joint)]
+        by_joints = all(kind in _JOINT_TRANSMISSIONS for kind in m.actuator_trntype)
+        if by_joints and 0 < len(driven) < len(self.joints):
+            robot["actuation"] = {"joints": driven}
         if self.rotor_inertia:
             robot["rotor_inertia"] = self.rotor_inertia
         return robot
@@ -185,12 +193,15 @@ class _Writer:
         if m.dof_armature[dof] > 0:
             self.rotor_inertia[name] = float(m.dof_armature[dof])
 
+    def actuators(self, joint: int) -> List[int]:
+        m = self.model
+        kinds = numpy.isin(m.actuator_trntype, _JOINT_TRANSMISSIONS)
+        return [a for a in range(m.nu) if kinds[a] and m.actuator_trnid[a, 0] == joint]
+
     def effort(self, joint: int) -> float:
         """Largest force or torque of the actuators of a joint; 0 without any."""
         m, total = self.model, 0.0
-        for a in range(m.nu):
-            if m.actuator_trntype[a] != 0 or m.actuator_trnid[a, 0] != joint:
-                continue
+        for a in self.actuators(joint):
             largest = _UNLIMITED
             if m.actuator_forcelimited[a]:
                 largest = min(largest, numpy.abs(m.actuator_forcerange[a]).max())
@@ -247,10 +258,9 @@ class _Writer:
             first, count = m.mesh_vertadr[mesh], m.mesh_vertnum[mesh]
             faces = m.mesh_face[m.mesh_faceadr[mesh] : m.mesh_faceadr[mesh] + m.mesh_facenum[mesh]]
             with open(file, "w", encoding="ascii") as out:
-                for vertex in m.mesh_vert[first : first + count]:
-                    out.write("v {:.9g} {:.9g} {:.9g}\n".format(*vertex))
-                for face in faces + 1:
-                    out.write("f {} {} {}\n".format(*face))
+                vertices = m.mesh_vert[first : first + count].ravel().tolist()
+                out.write("v %.9g %.9g %.9g\n" * count % tuple(vertices))
+                out.write("f %d %d %d\n" * len(faces) % tuple((faces + 1).ravel().tolist()))
         return file.name
 
     def configurations(self) -> Dict[str, Any]:
@@ -282,14 +292,13 @@ def from_mjcf(
     """Writes the robot of an MJCF file as URDF, and returns what the key `robot` of a problem takes.
 
     MuJoCo's compiler reads the file. Bodies, hinges and slides, a free base, armature (rotor
-    inertia), damping, ranges, actuators' limits, sites (frames), keyframes (configurations), shapes
+    inertia), damping, ranges, actuators and their limits, sites (frames), keyframes (configurations), shapes
     and meshes come along. Joint positions count from the file's own reference (qpos0).
 
     folder: where the URDF and its meshes are written; by default that of the file.
     body: takes only this body of the world with what hangs on it; needed if the file has several.
     """
-    import mujoco
-
+    mujoco = needed("mujoco", "mujoco", "from_mjcf")
     file = pathlib.Path(file)
     model = mujoco.MjModel.from_xml_path(os.fspath(file))
     folder = pathlib.Path(folder) if folder is not None else file.parent

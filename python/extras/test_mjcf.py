@@ -1,6 +1,6 @@
 """Robots of MJCF files against MuJoCo: inertia matrix and bias forces of the written URDF, by Pinocchio.
 
-    pip install mujoco pin gymnasium dm_control && pytest python/extras
+    pip install mujoco pin gymnasium dm_control && pip install --no-deps robosuite && pytest python/extras
 """
 
 import importlib.util
@@ -11,16 +11,12 @@ import pytest
 
 mujoco = pytest.importorskip("mujoco")
 pinocchio = pytest.importorskip("pinocchio")
-
-SPEC = importlib.util.spec_from_file_location(
-    "mjcf", pathlib.Path(__file__).parents[1] / "conddp" / "mjcf.py"
-)
-mjcf = importlib.util.module_from_spec(SPEC)
-SPEC.loader.exec_module(mjcf)
+conddp = pytest.importorskip("conddp")
 
 FOLDERS = {
     "dm_control": ["suite", "mujoco/testing/assets"],
     "gymnasium": ["envs/mujoco/assets"],
+    "robosuite": ["models/assets/robots"],
 }
 
 
@@ -29,7 +25,7 @@ def files():
     for package, folders in FOLDERS.items():
         spec = importlib.util.find_spec(package)
         for folder in folders if spec else []:
-            found += sorted((pathlib.Path(spec.origin).parent / folder).glob("*.xml"))
+            found += sorted((pathlib.Path(spec.origin).parent / folder).rglob("*.xml"))
     return found
 
 
@@ -66,7 +62,7 @@ def test_dynamics(file, tmp_path):
     if source.nv == 0:
         pytest.skip("no joints")
     try:
-        robot = mjcf.from_mjcf(file, tmp_path)
+        robot = conddp.from_mjcf(file, tmp_path)
     except ValueError as error:
         pytest.skip(str(error))
     floating = robot["base"] == "floating"
@@ -120,9 +116,9 @@ def test_dynamics(file, tmp_path):
         numpy.testing.assert_allclose(found, expected, atol=1e-9 * max(1, size))
 
 
-def written(tmp_path, bodies):
+def written(tmp_path, bodies, rest=""):
     file = tmp_path / "robot.xml"
-    file.write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
+    file.write_text(f"<mujoco><worldbody>{bodies}</worldbody>{rest}</mujoco>")
     return file
 
 
@@ -133,13 +129,33 @@ FREE = f'<body name="{{}}"><freejoint/>{GEOM}</body>'
 def test_ball_joints_are_errors(tmp_path):
     file = written(tmp_path, f'<body><joint name="hip" type="ball"/>{GEOM}</body>')
     with pytest.raises(ValueError, match="'hip' is neither a hinge nor a slide"):
-        mjcf.from_mjcf(file)
+        conddp.from_mjcf(file)
 
 
 def test_one_of_several_bodies_is_chosen(tmp_path):
     file = written(tmp_path, FREE.format("robot") + FREE.format("ball"))
     with pytest.raises(ValueError, match="choose one with body=.*robot.*ball"):
-        mjcf.from_mjcf(file)
+        conddp.from_mjcf(file)
     with pytest.raises(ValueError, match="'box' is no body in the world"):
-        mjcf.from_mjcf(file, body="box")
-    assert mjcf.from_mjcf(file, body="robot")["base"] == "floating"
+        conddp.from_mjcf(file, body="box")
+    assert conddp.from_mjcf(file, body="robot")["base"] == "floating"
+
+
+def test_joints_with_actuators_are_actuated(tmp_path):
+    arm = (
+        f'<body><joint name="a"/>{GEOM}<body pos="0 0 1"><joint name="b"/>{GEOM}</body></body>'
+    )
+    motor = '<actuator><motor joint="b" gear="3" ctrlrange="-2 2"/></actuator>'
+    robot = conddp.from_mjcf(written(tmp_path, arm, motor))
+    assert robot["actuation"] == {"joints": ["b"]}
+    joints = pinocchio.buildModelFromUrdf(robot["urdf"])
+    assert joints.effortLimit.tolist() == [0, 6]
+    motors = '<actuator><motor joint="a"/><position jointinparent="b"/></actuator>'
+    assert "actuation" not in conddp.from_mjcf(written(tmp_path, arm, motors))
+    assert "actuation" not in conddp.from_mjcf(written(tmp_path, arm))
+    tendon = (
+        '<tendon><fixed name="t"><joint joint="a" coef="1"/></fixed></tendon>'
+        '<actuator><motor tendon="t"/><motor joint="b"/></actuator>'
+    )
+    with pytest.warns(UserWarning, match="tendons are left out"):
+        assert "actuation" not in conddp.from_mjcf(written(tmp_path, arm, tendon))
