@@ -13,7 +13,20 @@ Files and keys are those of the tool `conddp`.
 import json
 import math
 import os
-from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+import threading
+from typing import (
+    Any,
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+    overload,
+)
 
 import numpy
 
@@ -69,14 +82,14 @@ def _settings(values: Mapping[str, Any]) -> Dict[str, str]:
 
 
 class Answer:
-    """An answer with any status: the last iterate and what is known about it.
+    """An answer with any status: the last iterate and what is known about it. solve() makes it.
 
     Arrays are views of the answer's memory and cannot be written.
     """
 
     def __init__(self, core: "_core.Answer"):
         self._core = core
-        self._names = None
+        self._names: Optional[Dict[str, Any]] = None
 
     @property
     def status(self) -> str:
@@ -105,7 +118,7 @@ class Answer:
 
     @property
     def cost(self) -> float:
-        """Sum of all costs."""
+        """Sum of all costs, without a unit."""
         return self._core.cost
 
     @property
@@ -125,12 +138,12 @@ class Answer:
 
     @property
     def x(self) -> numpy.ndarray:
-        """States, (N + 1) x nx; columns as in names['x']."""
+        """States, (N + 1) x nx; columns as in names['x'], units as in names['units']['x']."""
         return self._core.x
 
     @property
     def u(self) -> Union[numpy.ndarray, List[numpy.ndarray]]:
-        """Controls, N x nu; a list of arrays if phases have different controls."""
+        """Controls, N x nu, columns as in names['u']; a list of arrays if phases differ in them."""
         return self._core.u
 
     @property
@@ -148,13 +161,19 @@ class Answer:
     @property
     def document(self) -> Dict[str, Any]:
         """The content of solution.json."""
-        return json.loads(self._core.document())
+        content: Dict[str, Any] = json.loads(self._core.document())
+        return content
 
     @property
     def certificate(self) -> Optional[Dict[str, Any]]:
         """The certificate: verdict, checks with claimed and found figures; None without one."""
-        return json.loads(self._core.certificate())
+        content: Optional[Dict[str, Any]] = json.loads(self._core.certificate())
+        return content
 
+    @overload
+    def report(self) -> str: ...
+    @overload
+    def report(self, file: _Path) -> None: ...
     def report(self, file: Optional[_Path] = None) -> Optional[str]:
         """The page with the motion and its curves: written to a file, or returned as HTML."""
         page = self._core.page()
@@ -190,9 +209,9 @@ class Answer:
     def to_mcap(self, file: _Path, start: float = 0.0) -> None:
         """Writes the motion as MCAP with messages of ROS 2, for Foxglove and others.
 
-        /joint_states (JointState) and /joint_trajectory (JointTrajectory) have the joints, /tf a free
-        base, /robot_description the URDF, and a topic for each column of x and u its number (Float64).
-        The first node is at `start`, s since 1970. Needs the package mcap-ros2-support.
+        /joint_states (JointState) and /joint_trajectory (JointTrajectory) have the joints, /tf a
+        free base, /robot_description the URDF, and topics of their own all numbers of x and u
+        (Float64). The first node is at `start`, s since 1970. Needs the package mcap-ros2-support.
         """
         write_mcap(self, os.fspath(file), start)
 
@@ -207,7 +226,7 @@ class Answer:
         import html
 
         return (
-            f'<iframe srcdoc="{html.escape(self.report())}" width="100%" height="600" '
+            f'<iframe srcdoc="{html.escape(self._core.page())}" width="100%" height="600" '
             'style="border: 0"></iframe>'
         )
 
@@ -221,16 +240,21 @@ class Answer:
 class Problem:
     """A problem with settings of its keys: problem["costs.effort.weight"] = 0.1.
 
+    load() and problem() make it.
+
     Robots are read once; a solve builds the rest anew, so that every key may be set. Copies share
-    what was read. Several threads may solve one problem while none sets a key.
+    what was read. Threads may share a problem: a solve takes the keys that are set when it begins.
     """
 
     def __init__(self, core: "_core.Problem"):
         self._core = core
+        self._lock = threading.Lock()  # check() and describe() read the settings without the GIL
 
     def __setitem__(self, key: str, value: Any) -> None:
         """Sets a key by its path, as --set does: numbers, strings, lists, dicts, arrays."""
-        self._core.set(key, _yaml(value))
+        text = _yaml(value)
+        with self._lock:
+            self._core.set(key, text)
 
     def __getitem__(self, key: str) -> Any:
         """The value of a key as set, or in the file. Raises KeyError if neither has it."""
@@ -250,12 +274,14 @@ class Problem:
 
     def check(self) -> List[str]:
         """Builds the problem; returns warnings and notes. Errors raise ProblemError."""
-        return self._core.check()
+        with self._lock:
+            return self._core.check()
 
     @property
     def names(self) -> Dict[str, Any]:
         """Names of the columns of x and u, their units, the phases, the name, the number of knots."""
-        return _names(self._core.describe())
+        with self._lock:
+            return _names(self._core.describe())
 
     def solve(
         self,
@@ -311,19 +337,22 @@ class Mpc:
     """Model predictive control by the section `mpc` of a problem, for a plant of your own.
 
     In a loop at any rate: u = loop.tick(t, x). A plan is made where a tick of the file is due; in
-    between, the plan in force and its gains give the control.
+    between, the plan in force and its gains give the control. Threads that share a loop take turns.
     """
 
     def __init__(self, problem: Problem):
         self._core = _core.Loop(problem._core)
+        self._lock = threading.Lock()  # a plan is made without the GIL
 
     def tick(self, t: float, x: numpy.ndarray) -> numpy.ndarray:
         """The control (nu) at a time (s) and a measured state (nx). Times must not decrease."""
-        return self._core.tick(t, x)
+        with self._lock:
+            return self._core.tick(t, x)
 
     def prepare(self) -> None:
         """Does the part of the next plan that needs no measurement, in idle time."""
-        self._core.prepare()
+        with self._lock:
+            self._core.prepare()
 
     @property
     def period(self) -> float:
@@ -333,7 +362,8 @@ class Mpc:
     @property
     def last(self) -> Dict[str, Any]:
         """Figures of the last plan: tick, time_s, outcome, iterations, cost, violation, fallback."""
-        return self._core.last
+        with self._lock:
+            return self._core.last
 
 
 def load(file: _Path) -> Problem:

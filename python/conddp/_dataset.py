@@ -1,7 +1,7 @@
 """Data sets of batches as arrays."""
 
 import os
-from typing import Any, Dict, Iterator, List, Mapping, Sequence, Tuple, Union
+from typing import Any, Dict, List, Sequence, Tuple, Union
 
 import numpy
 
@@ -14,12 +14,14 @@ def _texts(values: Any) -> List[str]:
     return [v.decode() if isinstance(v, bytes) else str(v) for v in numpy.atleast_1d(values)]
 
 
-class Dataset(Mapping[str, numpy.ndarray]):
+class Dataset:
     """The kept motions of a batch: data["x"] is an array with one motion for each first index.
 
+    read_dataset() makes it. len() is the number of motions, `arrays` are the names.
+
     Arrays are read from the file when they are asked for, so keep them in variables. Motions of
-    another length, or without a contact or constraint that others have, are filled up with NaN at the
-    end. Motions with other states or controls are apart: `shapes` lists data sets that fit together.
+    another length, or without a contact or constraint that others have, are filled up with NaN.
+    Motions with other states or controls are apart: `shapes` are data sets that fit together.
     """
 
     def __init__(self, file: str, groups: Sequence[str]):
@@ -70,11 +72,11 @@ class Dataset(Mapping[str, numpy.ndarray]):
         if name in self._table:
             return self._table[name]
         if name not in self._sizes:
-            raise KeyError(f"{name!r}; the data set has {', '.join(self)}")
+            raise KeyError(f"{name!r}; the data set has {', '.join(self.arrays)}")
         kinds = [{k: v for k, v in own.items() if k != "units"} for own in self._attributes[name]]
         if any(kind != kinds[0] for kind in kinds):
             raise ValueError(f"'{name}' has other columns in other motions: take it from .shapes")
-        out = numpy.full((self.count, *self._sizes[name]), numpy.nan)
+        out: numpy.ndarray = numpy.full((len(self), *self._sizes[name]), numpy.nan)
         h5py = needed("h5py", "dataset", "read_dataset")
         with h5py.File(self._file) as content:
             first = 0
@@ -83,23 +85,21 @@ class Dataset(Mapping[str, numpy.ndarray]):
                     values = content[group][name][:]
                     out[(slice(first, first + count), *map(slice, values.shape[1:]))] = values
                 first += count
-        return out if len(self._groups) == 1 else out[self._order]
-
-    def __iter__(self) -> Iterator[str]:
-        """The names of the arrays."""
-        return iter([*self._table, *self._sizes])
-
-    def __len__(self) -> int:
-        """The number of arrays; `count` is that of motions."""
-        return len(self._table) + len(self._sizes)
+        if len(self._groups) > 1:
+            out = out[self._order]
+        return out
 
     def __contains__(self, name: object) -> bool:
         return name in self._table or name in self._sizes
 
-    @property
-    def count(self) -> int:
+    def __len__(self) -> int:
         """The number of motions."""
         return len(self._order)
+
+    @property
+    def arrays(self) -> List[str]:
+        """The names of the arrays."""
+        return [*self._table, *self._sizes]
 
     @property
     def parameters(self) -> Dict[str, numpy.ndarray]:
@@ -115,17 +115,21 @@ class Dataset(Mapping[str, numpy.ndarray]):
     @property
     def columns(self) -> Dict[str, List[str]]:
         """Names of the last index of arrays, as in columns['x']; for K those of its rows."""
-        return {name: own[0]["columns"] for name, own in self._attributes.items() if "columns" in own[0]}
+        return {
+            name: own[0]["columns"] for name, own in self._attributes.items() if "columns" in own[0]
+        }
 
     @property
     def units(self) -> Dict[str, List[str]]:
         """Units of the columns, as in units['x']."""
-        return {name: own[0]["units"] for name, own in self._attributes.items() if own[0].get("units")}
+        return {
+            name: own[0]["units"] for name, own in self._attributes.items() if own[0].get("units")
+        }
 
     @property
     def lengths(self) -> numpy.ndarray:
         """The number of nodes of each motion; shorter ones are filled up with NaN."""
-        return numpy.sum(~numpy.isnan(self["t"]), axis=1)
+        return numpy.asarray(numpy.sum(~numpy.isnan(self["t"]), axis=1))
 
     @property
     def shapes(self) -> "List[Dataset]":
@@ -138,14 +142,15 @@ class Dataset(Mapping[str, numpy.ndarray]):
         return pandas.DataFrame({**self._table, **self._parameters}).set_index("item")
 
     def __repr__(self) -> str:
-        return f"<conddp.Dataset of {self.count} motions in {len(self._groups)} shapes: {', '.join(self)}>"
+        size = f"{len(self)} motions in {len(self._groups)} shapes"
+        return f"<conddp.Dataset of {size}: {', '.join(self.arrays)}>"
 
 
 def read_dataset(file: Union[str, "os.PathLike[str]"]) -> Dataset:
     """Reads dataset.h5 of a batch: data["x"], data["u"], data.parameters["goal"], ...
 
-    Its arrays are those of the page docs/batch.md, with one motion for each first index, in the order
-    of the plan. Needs the package h5py.
+    Its arrays are those of the page docs/batch.md, with one motion for each first index, in the
+    order of the plan. Needs the package h5py.
     """
     h5py = needed("h5py", "dataset", "read_dataset")
     path = os.fspath(file)

@@ -105,7 +105,9 @@ def _bases(answer: "Answer") -> List[Tuple[str, int]]:
 def _root_link(file: str) -> str:
     robot = ElementTree.parse(file).getroot()
     children = {child.get("link") for child in robot.iterfind("joint/child")}
-    return next(n for n in (link.get("name", "") for link in robot.iterfind("link")) if n not in children)
+    return next(
+        n for n in (link.get("name", "") for link in robot.iterfind("link")) if n not in children
+    )
 
 
 def write_mcap(answer: "Answer", file: str, start: float) -> None:
@@ -155,7 +157,10 @@ def write_mcap(answer: "Answer", file: str, start: float) -> None:
             if bases:
                 transforms = [_transform(frame, x[k, i : i + 7], at) for frame, i in bases]
                 write("/tf", "tf2_msgs/msg/TFMessage", {"transforms": transforms}, at)
-            for kind, columns, row in (("x", names["x"], x[k]), ("u", names["u"], u[k : k + 1].ravel())):
+            for kind, columns, row in (
+                ("x", names["x"], x[k]),
+                ("u", names["u"], u[k : k + 1].ravel()),
+            ):
                 for name, value in zip(columns, row):
                     topic = f"/{kind}/{_topic(name.removeprefix(kind + '/'))}"
                     write(topic, "std_msgs/msg/Float64", {"data": float(value)}, at)
@@ -174,7 +179,9 @@ def _transform(frame: str, pose: numpy.ndarray, at: int) -> Dict[str, Any]:
 
 def scene_of(page: str) -> Optional[Dict[str, Any]]:
     """What the page of a report draws; None if it draws nothing."""
-    found = re.search(r'<script type="application/json" id="report-data">(.*?)</script>', page, re.S)
+    found = re.search(
+        r'<script type="application/json" id="report-data">(.*?)</script>', page, re.S
+    )
     if found is None:
         raise ValueError("the page of the report has no data")
     scene: Optional[Dict[str, Any]] = json.loads(found.group(1))["solutions"][0]["scene"]
@@ -193,7 +200,7 @@ def write_rerun(answer: "Answer", file: str) -> None:
             recording.log(path, rr.SeriesLines(names=f"{name} [{unit}]"), static=True)
             own = [rr.TimeColumn("t", duration=t[: len(values)])]
             recording.send_columns(path, own, rr.Scalars.columns(scalars=values))
-    scene = scene_of(answer.report() or "")
+    scene = scene_of(answer.report())
     if scene is not None:
         _draw(rr, recording, times, len(t), scene)
     recording.flush()
@@ -213,7 +220,9 @@ def _draw(rr: Any, recording: Any, times: List[Any], nodes: int, scene: Dict[str
             for own, form in _forms(rr, shape, scene.get("meshes", [])):
                 at = rr.new_entity_path([*parts, f"{shape.get('link', 'shape')}_{j}{own}"])
                 place = shape["placement"]
-                pose = rr.Transform3D(translation=place[:3], quaternion=rr.Quaternion(xyzw=place[3:]))
+                pose = rr.Transform3D(
+                    translation=place[:3], quaternion=rr.Quaternion(xyzw=place[3:])
+                )
                 recording.log(at, pose, form, static=True)
 
 

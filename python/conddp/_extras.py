@@ -10,6 +10,7 @@ def needed(package: str, extra: str, purpose: str) -> Any:
         return importlib.import_module(package)
     except ImportError as error:
         raise ImportError(
-            f"{purpose} needs the package {package.split('.')[0]}: pip install 'conddp[{extra}]' ({error})",
+            f"{purpose} needs the package {package.split('.')[0]}: pip install 'conddp[{extra}]' "
+            f"({error})",
             name=error.name,
         ) from error

@@ -41,18 +41,20 @@ def _rpy(rotation: numpy.ndarray) -> List[float]:
     ]
 
 
-def _text(numbers) -> str:
+def _text(numbers: Any) -> str:
     return " ".join(repr(float(number)) for number in numpy.atleast_1d(numbers))
 
 
-def _origin(parent: ElementTree.Element, position, quaternion) -> None:
+def _origin(parent: ElementTree.Element, position: numpy.ndarray, quaternion: Any) -> None:
     ElementTree.SubElement(
         parent, "origin", xyz=_text(position), rpy=_text(_rpy(_matrix(quaternion)))
     )
 
 
 class _Writer:
-    def __init__(self, mujoco, model, folder: pathlib.Path, name: str, body: Optional[str]):
+    def __init__(
+        self, mujoco: Any, model: Any, folder: pathlib.Path, name: str, body: Optional[str]
+    ):
         self.mujoco, self.model, self.folder, self.name = mujoco, model, folder, name
         self.bodies = list(range(1, model.nbody))
         if body is not None:
@@ -164,12 +166,21 @@ class _Writer:
             self.ends(fixed, above, self.named("body", body), -before, quaternion)
         self.link(self.named("body", body), body)
 
-    def ends(self, joint, parent: str, child: str, position, quaternion) -> None:
+    def ends(
+        self,
+        joint: ElementTree.Element,
+        parent: str,
+        child: str,
+        position: numpy.ndarray,
+        quaternion: Any,
+    ) -> None:
         ElementTree.SubElement(joint, "parent", link=parent)
         ElementTree.SubElement(joint, "child", link=child)
         _origin(joint, position, quaternion)
 
-    def joint(self, index: int, parent: str, child: str, position, quaternion) -> None:
+    def joint(
+        self, index: int, parent: str, child: str, position: numpy.ndarray, quaternion: Any
+    ) -> None:
         m = self.model
         name = self.joints[index] = self.named("joint", index)
         limited = bool(m.jnt_limited[index])
@@ -226,7 +237,7 @@ class _Writer:
         joint = ElementTree.SubElement(self.root, "joint", name=f"{name}_fixed", type="fixed")
         self.ends(joint, above, name, m.site_pos[site] - self.offsets[body], m.site_quat[site])
 
-    def geom(self, link, geom: int, offset) -> None:
+    def geom(self, link: ElementTree.Element, geom: int, offset: numpy.ndarray) -> None:
         m, types = self.model, self.mujoco.mjtGeom
         kind, size = m.geom_type[geom], m.geom_size[geom]
         collides = m.geom_contype[geom] or m.geom_conaffinity[geom]
@@ -285,15 +296,15 @@ class _Writer:
 
 
 def from_mjcf(
-    file: Union[str, os.PathLike],
-    folder: Optional[Union[str, os.PathLike]] = None,
+    file: Union[str, "os.PathLike[str]"],
+    folder: Optional[Union[str, "os.PathLike[str]"]] = None,
     body: Optional[str] = None,
 ) -> Dict[str, Any]:
     """Writes the robot of an MJCF file as URDF, and returns what the key `robot` of a problem takes.
 
     MuJoCo's compiler reads the file. Bodies, hinges and slides, a free base, armature (rotor
-    inertia), damping, ranges, actuators and their limits, sites (frames), keyframes (configurations), shapes
-    and meshes come along. Joint positions count from the file's own reference (qpos0).
+    inertia), damping, ranges, actuators and their limits, sites (frames), keyframes
+    (configurations), shapes and meshes come along. Joint positions count from the file's own reference (qpos0).
 
     folder: where the URDF and its meshes are written; by default that of the file.
     body: takes only this body of the world with what hangs on it; needed if the file has several.

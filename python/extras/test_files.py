@@ -35,7 +35,9 @@ def reaches(tmp_path_factory):
 
 def test_dataset_has_the_answers(reaches):
     problem = conddp.load(ROOT / "problems/arm_reach.yaml")
-    settings = [{GOAL: goal, "phases.reach.knots": n} for goal in (0.35, 0.425, 0.5) for n in (20, 35)]
+    settings = [
+        {GOAL: goal, "phases.reach.knots": n} for goal in (0.35, 0.425, 0.5) for n in (20, 35)
+    ]
     answers = problem.solve_many(settings, jobs=1)
     x, u, K = reaches["x"], reaches["u"], reaches["K"]
     assert x.shape == (6, 36, 14) and u.shape == (6, 35, 7) and K.shape == (6, 35, 7, 14)
@@ -52,12 +54,14 @@ def test_dataset_has_the_answers(reaches):
 
 
 def test_dataset_has_settings_as_columns(reaches):
-    assert reaches.count == 6 and reaches["item"].tolist() == [1, 2, 3, 4, 5, 6]
+    assert len(reaches) == 6 and reaches["item"].tolist() == [1, 2, 3, 4, 5, 6]
     numpy.testing.assert_allclose(reaches.parameters["goal"], [0.35, 0.35, 0.425, 0.425, 0.5, 0.5])
     assert reaches.parameters["knots"].tolist() == [20, 35] * 3
     assert numpy.isnan(reaches.parameters["rule"]).all()
     assert reaches.keys_of_parameters["goal"] == GOAL
-    assert set(reaches["status"]) == {"converged"} and reaches["problem"][0].endswith("arm_reach.yaml")
+    assert set(reaches["status"]) == {"converged"} and reaches["problem"][0].endswith(
+        "arm_reach.yaml"
+    )
     pytest.importorskip("pandas")
     frame = reaches.to_frame()
     assert frame.loc[5, "goal"] == 0.5 and frame.loc[5, "cost"] == reaches["cost"][4]
@@ -70,7 +74,8 @@ def test_dataset_splits_by_shapes(reaches):
 
 
 def test_unknown_arrays_are_errors(reaches):
-    assert "x" in reaches and "y" not in reaches and len(list(reaches)) == len(reaches)
+    assert "x" in reaches and "y" not in reaches
+    assert {"x", "u", "K", "t", "cost", "parameters"} < set(reaches.arrays)
     with pytest.raises(KeyError, match="costates"):
         reaches["y"]
 
@@ -109,7 +114,8 @@ def messages(file):
     found = {}
     for message in reader.read_ros2_messages(str(file)):
         found.setdefault(message.channel.topic, []).append(
-            (message.log_time_ns * 1e-9, message.ros_msg))
+            (message.log_time_ns * 1e-9, message.ros_msg)
+        )
     return found
 
 
@@ -185,16 +191,17 @@ def test_rerun_has_curves_and_bodies(trot, tmp_path):
 def test_rerun_draws_meshes(tmp_path):
     pytest.importorskip("rerun")
     (tmp_path / "tile.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n")
-    (tmp_path / "tile.urdf").write_text(
-        """<robot name="tile"><link name="world"/><link name="tile">
+    (tmp_path / "tile.urdf").write_text("""<robot name="tile"><link name="world"/><link name="tile">
         <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
         <visual><geometry><mesh filename="tile.obj" scale="1 1 1"/></geometry></visual></link>
         <joint name="slide" type="prismatic"><parent link="world"/><child link="tile"/><axis xyz="1 0 0"/>
-        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
-    )
+        <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>""")
     answer = conddp.problem(
         {
-            "conddp": 1, "name": "tile", "robot": {"urdf": "tile.urdf"}, "initial_state": {},
+            "conddp": 1,
+            "name": "tile",
+            "robot": {"urdf": "tile.urdf"},
+            "initial_state": {},
             "phases": [{"name": "go", "knots": 4, "dt": 0.1}],
             "costs": {"effort": {"residual": "control"}},
         },
@@ -203,4 +210,6 @@ def test_rerun_draws_meshes(tmp_path):
     answer.to_rerun(tmp_path / "tile.rrd")
     own = recorded(tmp_path / "tile.rrd")["/scene/slide/tile_0_0"]
     corners = numpy.array(own["Mesh3D:vertex_positions"]).reshape(-1, 3)
-    numpy.testing.assert_allclose(sorted(map(tuple, corners)), [(0, 0, 0), (0, 2, 0), (1, 0, 0)], atol=1e-4)
+    numpy.testing.assert_allclose(
+        sorted(map(tuple, corners)), [(0, 0, 0), (0, 2, 0), (1, 0, 0)], atol=1e-4
+    )

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -35,15 +36,22 @@ class Watch {
     if (!on_iteration_.is_none())
       options.on_iteration = [this](const IterationRecord& row) { tell(row); };
   }
+  /// Looks for a signal now. Python tells its main thread alone, so the workers of solve_many() cannot.
+  void look() {
+    const std::lock_guard lock(mutex_);
+    if (error_) return;
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) error_ = std::make_exception_ptr(py::error_already_set());
+  }
   /// With the GIL.
   void rethrow() const {
     if (error_) std::rethrow_exception(error_);
   }
 
- private:
   /// Signals are looked for at this interval, since it takes the GIL.
   static constexpr std::chrono::milliseconds kInterval{20};
 
+ private:
   bool is_interrupted() {
     const std::lock_guard lock(mutex_);
     if (error_ || Clock::now() < next_) return error_ != nullptr;
@@ -170,6 +178,8 @@ std::vector<std::shared_ptr<Answer>> Problem::solve_many(const std::vector<Setti
     const py::gil_scoped_release released;
     std::atomic<std::size_t> next = 0;
     std::mutex mutex;
+    std::condition_variable ended;
+    int running = jobs;
     const auto work = [&] {
       for (std::size_t i = next++; i < list.size(); i = next++) try {
           Diagnostics out = kept_.texts();
@@ -189,9 +199,18 @@ std::vector<std::shared_ptr<Answer>> Problem::solve_many(const std::vector<Setti
           if (!failure) failure = std::current_exception();
           next = list.size();
         }
+      const std::lock_guard lock(mutex);
+      --running;
+      ended.notify_one();
     };
     std::vector<std::jthread> workers;
     for (int i = 0; i < jobs; ++i) workers.emplace_back(work);
+    std::unique_lock lock(mutex);
+    while (!ended.wait_for(lock, Watch::kInterval, [&] { return running == 0; })) {
+      lock.unlock();
+      watch.look();
+      lock.lock();
+    }
   }
   watch.rethrow();
   if (failure) std::rethrow_exception(failure);

@@ -5,7 +5,9 @@ import pathlib
 import signal
 import subprocess
 import sys
+import textwrap
 import threading
+import time
 
 import numpy
 import pytest
@@ -109,10 +111,25 @@ def test_errors_name_their_place(mass):
         mass["costs.effort.weight"] = object()
 
 
-def test_nan_is_an_error(mass):
-    mass["costs.effort.weight"] = float("nan")
-    with pytest.raises(conddp.ProblemError):
+@pytest.mark.parametrize(
+    "key, value",
+    [
+        ("costs.effort.weight", float("nan")),
+        ("costs.effort.weight", float("inf")),
+        ("initial_state.values.x", float("nan")),
+        ("terminal.constraints.there.reference", numpy.array([numpy.nan, 0])),
+        ("terminal.constraints.there.reference", numpy.zeros(3)),
+        ("terminal.constraints.there.reference", numpy.zeros((2, 2))),
+        ("constraints.limits.lower", [-8, -8]),
+        ("phases.go.knots", 2.5),
+        ("phases.go.knots", numpy.array([])),
+    ],
+)
+def test_nan_and_wrong_shapes_are_errors(mass, key, value):
+    with pytest.raises(conddp.ProblemError) as caught:
+        mass[key] = value
         mass.solve()
+    assert caught.value.errors[0]["message"]
 
 
 def test_unknown_solver_is_an_error(mass):
@@ -163,9 +180,15 @@ def test_guesses_are_checked(mass):
         (states[:, :1], controls),
         (states, controls[:-1]),
         (states + numpy.nan, controls),
+        (states, controls + numpy.inf),
+        (states, numpy.zeros((20, 2))),
     ]:
         with pytest.raises(ValueError, match="guess"):
             mass.solve(guess=guess)
+    with pytest.raises(ValueError):
+        mass.solve(guess=([["x", "v"]] * 21, controls))
+    with pytest.raises(ValueError, match="either"):
+        mass.solve(guess=(states, controls), warm_start=mass.solve())
 
 
 def test_iterations_are_reported(mass):
@@ -191,6 +214,8 @@ def test_many_are_solved_in_order(mass):
     with pytest.raises(conddp.ProblemError):
         mass.solve_many([{}, {"costs.effort.wieght": 1}])
     assert mass.solve_many([]) == []
+    with pytest.raises(ValueError, match="jobs"):
+        mass.solve_many([{}], jobs=-1)
 
 
 def test_threads_share_a_problem(mass):
@@ -208,23 +233,59 @@ def test_threads_share_a_problem(mass):
     assert numpy.array_equal(answers[0].x, answers[2].x)
 
 
-def test_interrupt_ends_a_solve():
-    code = """
-import conddp, sys
-problem = conddp.problem({text!r})
-problem["phases.go.knots"] = 2000
+def test_keys_may_be_set_during_solves(mass):
+    goal, done = "terminal.constraints.there.reference", threading.Event()
+    mass[goal] = [0.2, 0]
+
+    def turn():
+        while not done.is_set():
+            for place in (0.2, 0.8):
+                mass[goal] = [place, 0]
+
+    thread = threading.Thread(target=turn)
+    thread.start()
+    try:
+        ends = [mass.solve().x[-1, 0] for _ in range(30)]
+        assert mass.check() is not None and mass.names["knots"] == 20
+    finally:
+        done.set()
+        thread.join()
+    assert all(min(abs(end - 0.2), abs(end - 0.8)) < 1e-6 for end in ends)
+
+
+SOLVE_ON = """
 def tell(row):
     print("on", flush=True)
+while True:
+    problem.solve("ipopt", on_iteration=tell)
+"""
+#: Minutes of work.
+SOLVE_MANY = """
+print("on", flush=True)
+problem.solve_many([{"solver.name": "ipopt"}] * 2000, jobs=2)
+"""
+
+
+@pytest.mark.parametrize("work", [SOLVE_ON, SOLVE_MANY], ids=["solve", "solve_many"])
+def test_interrupt_ends_solves(work):
+    code = f"""
+import conddp, sys
+problem = conddp.problem({MASS!r})
+problem["phases.go.knots"] = 2000
 try:
-    while True: problem.solve("ipopt", on_iteration=tell)
+{textwrap.indent(work, "    ")}
 except KeyboardInterrupt:
     sys.exit(7)
-""".format(text=MASS)
+"""
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
         process.stdout.readline()
+        time.sleep(0.3)
         process.send_signal(signal.SIGINT)
-        process.stdout.read()
-        assert process.wait(timeout=30) == 7
+        try:
+            process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            process.kill()
+        assert process.returncode == 7
 
 
 def test_loops_control_a_plant(mass):
@@ -245,6 +306,28 @@ def test_loops_control_a_plant(mass):
         loop.tick(4.0, numpy.zeros(3))
 
 
+def test_threads_take_turns_in_a_loop(mass):
+    mass["mpc"] = {"horizon": 0.5, "tick": 0.05, "duration": 100}
+    loop = conddp.Mpc(mass)
+    told = []
+
+    def work():
+        for k in range(500):
+            try:
+                told.append(float(loop.tick(k * 0.01, numpy.zeros(2))[0]))
+            except ValueError as error:  # another thread is ahead
+                assert "decrease" in str(error)
+            loop.prepare()
+
+    threads = [threading.Thread(target=work) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(told) >= 500 and numpy.isfinite(told).all()
+    assert loop.last["tick"] >= 99  # 100 if it is prepared
+
+
 def test_a_loop_needs_its_section(mass):
     with pytest.raises(conddp.ProblemError, match="mpc"):
         conddp.Mpc(mass)
@@ -255,3 +338,19 @@ def test_reports_are_pages(mass, tmp_path):
     answer.report(tmp_path / "mass.html")
     assert "<html" in (tmp_path / "mass.html").read_text()[:200].lower()
     assert answer._repr_html_().startswith("<iframe")
+
+
+@pytest.mark.parametrize(
+    "package, extra, call",
+    [
+        ("h5py", "dataset", lambda answer: conddp.read_dataset("dataset.h5")),
+        ("pandas", "frames", lambda answer: answer.to_frame()),
+        ("mcap_ros2.writer", "mcap", lambda answer: answer.to_mcap("mass.mcap")),
+        ("mujoco", "mujoco", lambda answer: conddp.from_mjcf("robot.xml")),
+        ("rerun", "rerun", lambda answer: answer.to_rerun("mass.rrd")),
+    ],
+)
+def test_missing_packages_name_their_extra(mass, monkeypatch, package, extra, call):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ImportError, match=rf"pip install 'conddp\[{extra}\]'"):
+        call(mass.solve(verify=False))
