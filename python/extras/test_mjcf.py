@@ -14,7 +14,7 @@ pinocchio = pytest.importorskip("pinocchio")
 conddp = pytest.importorskip("conddp")
 
 FOLDERS = {
-    "dm_control": ["suite", "mujoco/testing/assets"],
+    "dm_control": ["suite", "mujoco/testing/assets", "locomotion/walkers/assets", "third_party"],
     "gymnasium": ["envs/mujoco/assets"],
     "robosuite": ["models/assets/robots"],
 }
