@@ -97,12 +97,14 @@ class _Writer:
         ElementTree.indent(self.root)
         file = self.folder / f"{self.name}.urdf"
         ElementTree.ElementTree(self.root).write(file, encoding="utf-8", xml_declaration=True)
+        configurations = self.configurations()
+        self.srdf(configurations)
         friction = any(m.dof_frictionloss[m.jnt_dofadr[joint]] > 0 for joint in self.joints)
         robot: Dict[str, Any] = {
             "urdf": str(file.resolve()),
             "base": "fixed" if self.floating is None else "floating",
             "passive": {"damping": "urdf", "friction": "urdf" if friction else "none"},
-            "configurations": self.configurations(),
+            "configurations": configurations,
         }
         driven = [name for joint, name in self.joints.items() if self.actuators(joint)]
         by_joints = all(kind in _JOINT_TRANSMISSIONS for kind in m.actuator_trntype)
@@ -295,6 +297,26 @@ class _Writer:
         return out
 
 
+    def srdf(self, configurations: Dict[str, Any]) -> None:
+        """Writes keyframes that have names as group states, where `conddp init` looks for postures."""
+        kinds = self.mujoco.mjtObj
+        named = [self.mujoco.mj_id2name(self.model, kinds.mjOBJ_KEY, k) for k in range(self.model.nkey)]
+        if not any(named):
+            return
+        root = ElementTree.Element("robot", name=self.name)
+        for name in filter(None, named):
+            state = ElementTree.SubElement(root, "group_state", name=name, group="all")
+            values = {joint: [value] for joint, value in configurations[name]["joints"].items()}
+            if "base" in configurations[name]:
+                base = configurations[name]["base"]
+                values["root_joint"] = [*base["position"], *base["orientation"]]
+            for joint, numbers in values.items():
+                ElementTree.SubElement(state, "joint", name=joint, value=_text(numbers))
+        ElementTree.indent(root)
+        file = self.folder / f"{self.name}.srdf"
+        ElementTree.ElementTree(root).write(file, encoding="utf-8", xml_declaration=True)
+
+
 def from_mjcf(
     file: Union[str, "os.PathLike[str]"],
     folder: Optional[Union[str, "os.PathLike[str]"]] = None,
@@ -304,7 +326,8 @@ def from_mjcf(
 
     MuJoCo's compiler reads the file. Bodies, hinges and slides, a free base, armature (rotor
     inertia), damping, ranges, actuators and their limits, sites (frames), keyframes
-    (configurations), shapes and meshes come along. Joint positions count from the file's own reference (qpos0).
+    (configurations, and an SRDF beside the URDF), shapes and meshes come along. Joint positions
+    count from the file's own reference (qpos0).
 
     folder: where the URDF and its meshes are written; by default that of the file.
     body: takes only this body of the world with what hangs on it; needed if the file has several.

@@ -5,6 +5,7 @@
 
 import importlib.util
 import pathlib
+from xml.etree import ElementTree
 
 import numpy
 import pytest
@@ -139,6 +140,36 @@ def test_one_of_several_bodies_is_chosen(tmp_path):
     with pytest.raises(ValueError, match="'box' is no body in the world"):
         conddp.from_mjcf(file, body="box")
     assert conddp.from_mjcf(file, body="robot")["base"] == "floating"
+
+
+def test_named_keyframes_are_states_of_an_srdf(tmp_path):
+    leg = '<body pos="0 0 -0.4"><joint name="knee" axis="0 1 0"/><geom size="0.05" pos="0 0 -0.4"/></body>'
+    legs = "".join(
+        f'<body pos="{x} 0 0"><joint name="hip{x}" axis="0 1 0"/><geom size="0.05" pos="0 0 -0.2"/>'
+        f'{leg.replace("knee", f"knee{x}")}</body>'
+        for x in (-1, 1)
+    )
+    body = f'<body name="trunk"><freejoint/><geom size="0.2"/>{legs}</body>'
+    key = '<keyframe><key qpos="0 0 0.7 1 0 0 0 0.3 -0.6 0.3 -0.6"/>{}</keyframe>'
+    robot = conddp.from_mjcf(written(tmp_path, body, key.format("")))
+    assert not (tmp_path / "robot.srdf").exists() and "key_0" in robot["configurations"]
+    home = '<key name="home" qpos="1 2 0.75 1 0 0 0 0.2 -0.4 0.2 -0.4"/>'
+    robot = conddp.from_mjcf(written(tmp_path, body, key.format(home)))
+    states = ElementTree.parse(tmp_path / "robot.srdf").getroot().findall("group_state")
+    assert [state.get("name") for state in states] == ["home"]
+    by_srdf = conddp.problem(
+        {
+            "conddp": 1, "name": "rest", "gravity": [0, 0, 0],
+            "robot": {"urdf": robot["urdf"], "base": "floating", "srdf": "robot.srdf"},
+            "initial_state": {"configuration": "home"},
+            "phases": [{"name": "go", "knots": 2, "dt": 0.01}],
+            "costs": {"effort": {"residual": "control"}},
+        },
+        tmp_path,
+    )
+    start = dict(zip(by_srdf.names["x"], by_srdf.solve(verify=False).x[0]))
+    assert [start[f"base/{axis}"] for axis in ("x", "y", "z", "qw")] == [1, 2, 0.75, 1]
+    assert [start["q/hip1"], start["q/knee1"]] == [0.2, -0.4]
 
 
 def test_joints_with_actuators_are_actuated(tmp_path):
