@@ -46,6 +46,7 @@ py::array_t<double> Loop::tick(double time, const Numbers& x) {
     prepare();
     const py::gil_scoped_release released;
     mpc_->feedback(state);
+    record_ = mpc_->last_tick();
     prepared_ = false;
   }
   const Eigen::VectorXd& u = mpc_->control(time, x.data());
@@ -55,7 +56,7 @@ py::array_t<double> Loop::tick(double time, const Numbers& x) {
 }
 
 py::dict Loop::last_tick() const {
-  const TickRecord& row = mpc_->last_tick();
+  const TickRecord& row = record_;
   py::dict out;
   out["tick"] = row.tick;
   out["time_s"] = row.time;

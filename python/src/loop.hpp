@@ -32,6 +32,7 @@ class Loop {
   std::unique_ptr<Mpc> mpc_;
   double last_;  ///< time of the last call, s
   bool prepared_ = false;
+  TickRecord record_;  ///< of the last plan; that of the loop is of the plan in preparation
 };
 
 }  // namespace conddp::python
