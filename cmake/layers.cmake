@@ -9,7 +9,7 @@ set(CONDDP_systems_FOLDERS . multibody contact graphs expressions libraries clos
 set(CONDDP_ocp_FOLDERS terms step residuals knot problem evaluation)
 set(CONDDP_nlp_FOLDERS . ipopt)
 set(CONDDP_solvers_FOLDERS
-  common linalg stages riccati iterate constraints globalization ddp interior ipopt strategies)
+  common linalg stages riccati iterate constraints globalization ddp interior ipopt sampling strategies)
 set(CONDDP_analysis_FOLDERS derivatives certificate contact findings comparison terminal margins)
 set(CONDDP_problem_file_FOLDERS yaml model values data plant motion residuals lower read mesh terms assemble expand first_problem)
 set(CONDDP_output_FOLDERS solution schedule scene mpc report bench)

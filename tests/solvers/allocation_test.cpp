@@ -6,6 +6,7 @@
 #include "ocp/knot/collocation_residual.hpp"
 #include "ocp/residuals/residuals.hpp"
 #include "ocp/residuals/weighted_residual.hpp"
+#include "solvers/sampling/sampling.hpp"
 #include "solvers/strategies/registry.hpp"
 #include "solvers/strategies/reusable_solver.hpp"
 #include "support/conic_problems.hpp"
@@ -115,6 +116,28 @@ TEST(Allocation, NoneInAnIterationAfterTheFirst) {
         EXPECT_EQ(count.allocations, 0) << name << ' ' << solver.name;
       }
     }
+  }
+}
+
+TEST(Allocation, NoneInFurtherRoundsOfSampling) {
+  const ShootingProblem problem = testing::cartpole_swing_up(3);
+  const Trajectory nominal = problem.create_trajectory();
+  ControlSplines splines(problem, nominal);
+  const int channel = splines.add_channel(1, 3);
+  constexpr double kOne[] = {1};
+  for (int k = 0; k < problem.knots(); ++k) splines.add_entry(k, 0, channel, kOne);
+  for (const SamplingMethod method :
+       {SamplingMethod::predictive, SamplingMethod::cem, SamplingMethod::mppi}) {
+    long counts[2];
+    for (const int more : {0, 1}) {
+      allocations = 0;
+      counting = true;
+      search_controls(splines, {.method = method, .samples = 20, .rounds = 20 + 20 * more});
+      counting = false;
+      counts[more] = allocations;
+    }
+    EXPECT_GT(counts[0], 0);
+    EXPECT_EQ(counts[1], counts[0]);
   }
 }
 

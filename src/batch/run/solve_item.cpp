@@ -100,7 +100,7 @@ RefinedSolve refine(const BuiltProblem& first, const SolveResult& result,
   MeshRefinement mesh(*first.facts().mesh);
   const BuiltProblem* grid = &first;
   while (const auto factor = mesh.next(*grid->problem, refined.result)) {
-    auto finer = build_on_grid(*grid, {.factor = *factor}, out);
+    auto finer = build_on_grid(*grid, {.factor = *factor, .from_answer = true}, out);
     if (!finer) break;
     finer->guess = on_grid(*grid->problem, refined.result.trajectory, *finer->problem);
     finer->guess_used = first.guess_used;

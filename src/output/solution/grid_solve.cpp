@@ -147,7 +147,7 @@ std::optional<SolveTask> GridSolve::on_other_grid(const SolveTask& task, const O
 std::optional<SolveResult> GridSolve::refine(SolveResult result, Diagnostics& out) {
   MeshRefinement mesh(*task_.built.facts().mesh);
   while (const auto factor = mesh.next(*task_.built.problem, result)) {
-    auto finer = on_other_grid(task_, {.factor = *factor}, out);
+    auto finer = on_other_grid(task_, {.factor = *factor, .from_answer = true}, out);
     if (!finer) return std::nullopt;
     start_from(task_, result, *finer);
     task_ = *std::move(finer);

@@ -16,6 +16,8 @@
 #include "problem_file/data/dual_guess_reader.hpp"
 #include "problem_file/mesh/mesh.hpp"
 #include "problem_file/model/phase_grid.hpp"
+#include "problem_file/motion/sampled_guess.hpp"
+#include "problem_file/plant/collocation_builder.hpp"
 #include "problem_file/plant/memory_need.hpp"
 #include "problem_file/plant/plant_builder.hpp"
 #include "problem_file/plant/shape_pairs.hpp"
@@ -470,10 +472,34 @@ class ProblemBuilder {
     auto guess = build_guess(context, built_.guess_used, out_);
     if (!guess || out_.has_errors()) return false;
     built_.guess = std::move(*guess);
+    if (spec_.guess.sampling && !sample()) return false;
     if (!spec_.perturbation.any() || options_.unperturbed) return true;
     built_.problem = std::make_shared<ShootingProblem>(perturb_initial_state(
         *built_.problem, spec_.perturbation.initial_state, spec_.perturbation.seed));
     built_.guess = guess_of_instance(*built_.problem, built_.guess, spec_.perturbation);
+    return true;
+  }
+
+  /// Samples around the guess. Steps of collocation rules are equations; rollouts take explicit
+  /// steps by rk4 instead.
+  bool sample() {
+    GuessUsed& used = built_.guess_used;
+    used.seed = spec_.guess.sampling->seed;
+    if (!built_.plant.collocation())
+      return sample_guess(spec_, built_.plant, *built_.problem, built_.guess, used.states,
+                          used.controls, out_);
+    ProblemSpec spec = spec_;
+    spec.integrator = Located<Integrator>{Integrator::rk4, spec_.integrator->place};
+    BuildOptions options{.drop = options_.drop, .unperturbed = true};
+    const auto built = build_without_homotopy(std::move(spec), options, out_);
+    if (!built) return false;
+    for (int k = 0; k <= built_.problem->knots(); ++k) {
+      built_.guess.x(k) = built->guess.x(k);
+      if (k < built_.problem->knots())
+        built_.guess.u(k).head(built->guess.nu(k)) = built->guess.u(k);
+    }
+    guess_slopes(*built_.problem, built_.guess);
+    used = built->guess_used;
     return true;
   }
 

@@ -60,6 +60,7 @@ std::optional<BuiltProblem> build_on_grid(const BuiltProblem& built, const Other
     if (!coarsen(*spec, kFewestKnots)) return std::nullopt;
   spec->sha256 = former.sha256;
   spec->guess = former.guess;
+  if (grid.from_answer) spec->guess.sampling.reset();
   spec->solver.name.place = former.solver.name.place;
   BuildOptions options;
   for (const DroppedConstraint& constraint : built.dropped) options.drop.push_back(constraint.name);

@@ -17,6 +17,8 @@ std::optional<BuiltProblem> build_problem(const BuiltProblem& built, const Build
 struct OtherGrid {
   int factor = 1;    ///< subdivision of the steps of the phases
   int halvings = 0;  ///< how often the knots of the file are halved
+  /// An answer replaces the guess, which is not sampled then.
+  bool from_answer = false;
 };
 
 /// The setting, as for `--set`, that gives a problem this subdivision. A file without `mesh` gets

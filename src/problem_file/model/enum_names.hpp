@@ -104,6 +104,11 @@ inline constexpr Choice<GuessSpec::Controls> kControlsGuessWords[] = {
     {"quasi_static", GuessSpec::Controls::kQuasiStatic},
     {"gravity", GuessSpec::Controls::kQuasiStatic}};
 
+inline constexpr Choice<SamplingMethod> kSamplingWords[] = {
+    {"predictive", SamplingMethod::predictive, "constant noise around the best sample so far"},
+    {"cem", SamplingMethod::cem, "a normal distribution fitted to the best tenth of a round"},
+    {"mppi", SamplingMethod::mppi, "constant noise around a weighted mean"}};
+
 inline constexpr Choice<BoundedQuantity> kBoundedWords[] = {
     {"control", BoundedQuantity::kControl,
      "bounds on the controls at every knot; needs 'lower', 'upper' or 'from: urdf'"},

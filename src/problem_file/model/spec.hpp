@@ -17,6 +17,7 @@
 #include "problem_file/model/spec_stepping.hpp"
 #include "problem_file/model/spec_terminal.hpp"
 #include "problem_file/model/spec_terrain.hpp"
+#include "solvers/sampling/sampling_options.hpp"
 
 namespace conddp {
 
@@ -111,6 +112,16 @@ struct GuessSpec {
     double scale = 0;  ///< standard deviation, in the control's unit
   };
   std::optional<Random> random;
+  /// Rollouts around the guess given by the other keys; the best one replaces it.
+  struct Sampling {
+    SamplingMethod method = SamplingOptions().method;
+    int samples = SamplingOptions().samples;
+    Located<int> knots{6, {}};  ///< of the spline of each control
+    Interpolation spline = Interpolation::kCubic;
+    int rounds = SamplingOptions().rounds;
+    std::uint64_t seed = SamplingOptions().seed;
+  };
+  std::optional<Sampling> sampling;
   /// Former solution whose multipliers are also used.
   std::optional<DataFileSpec> multipliers_file;
 };

@@ -55,6 +55,25 @@ static void describe(Keys& keys, GuessSpec::Random& random) {
        random.scale, NumberForm{kNotNegative});
 }
 
+static void describe(Keys& keys, GuessSpec::Sampling& sampling) {
+  keys.about({.definition = "sampling",
+              .title = "Start by sampling",
+              .says =
+                  "The best of many rollouts around the guess of the other keys, whose controls "
+                  "are moved by splines with normal random numbers",
+              .examples = R"([{}, {"samples": 256, "knots": 8}])"});
+  if (YamlMap* map = keys.reading()) sampling.knots.place = map->reader().place();
+  keys({"method", "How the distribution changes from round to round"}, sampling.method,
+       WordForm{kSamplingWords, "method of sampling"});
+  keys({"samples", "Rollouts per round, their number"}, sampling.samples, IntegerForm{2, 100'000});
+  keys({"knots", "Nodes of the spline of each control, evenly in time, their number"},
+       sampling.knots, IntegerForm{1, 1000});
+  keys({"spline", "Between the nodes"}, sampling.spline, WordForm{kInterpolationWords, "spline"});
+  keys({"rounds", "Number of rounds"}, sampling.rounds, IntegerForm{1, 10'000});
+  keys({"seed", "The same seed gives the same rollouts, whatever the number of threads"},
+       sampling.seed, IntegerForm{0, std::numeric_limits<long long>::max()});
+}
+
 namespace {
 
 struct KeyframesForm {
@@ -209,6 +228,7 @@ void describe(Keys& keys, GuessSpec& guess) {
                 "file; random ones are added to the others",
         .fallback = R"("zero")"},
        guess, ControlsForm{});
+  keys({"sampling"}, guess.sampling, MapForm{});
 }
 
 }  // namespace conddp

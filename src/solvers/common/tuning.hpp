@@ -210,6 +210,15 @@ inline constexpr double kFirstShare = 0.25, kLeastShareStep = 1.0 / 512;
 /// Binary logarithms: usual sizes, sizes that lie far apart, limit of all sizes.
 inline constexpr double kUsualSizes = 5, kFarSizes = 13, kMostSizes = 40;
 
+// Starts by sampling (docs/measurements/sampling.md).
+/// Standard deviation of the noise, as a share of half the control range.
+inline constexpr double kNoiseShare = 0.2;
+/// Square root of the growth of penalties per squared round (Joines, Houck 1994).
+inline constexpr double kPenaltyRate = 0.5;
+/// Share of the samples from which a distribution is fitted (de Boer et al. 2005), and exponent of
+/// the weight of a sample (Theodorou et al. 2010, section 3.2).
+inline constexpr double kEliteShare = 0.1, kPathSharpness = 10;
+
 // Interior points (Wächter, Biegler 2006; docs/measurements/contact_implicit.md).
 namespace interior {
 /// First barrier, barrier at which the smaller entries of pairs are held, and barriers from which
