@@ -126,6 +126,7 @@ TEST(Allocation, NoneInFurtherRoundsOfSampling) {
   const int channel = splines.add_channel(1, 3);
   constexpr double kOne[] = {1};
   for (int k = 0; k < problem.knots(); ++k) splines.add_entry(k, 0, channel, kOne);
+  search_controls(splines, {.samples = 20, .rounds = 1});  // what libraries allocate once
   for (const SamplingMethod method :
        {SamplingMethod::predictive, SamplingMethod::cem, SamplingMethod::mppi}) {
     long counts[2];
