@@ -116,7 +116,7 @@ class Archive {
     std::u32string points;
     for (const char c : text) {
       const auto byte = static_cast<unsigned char>(c);
-      if (!starts_character(c))
+      if (!starts_character(c) && !points.empty())
         points.back() = points.back() << 6 | (byte & 0x3f);
       else
         points.push_back(byte < 0x80 ? byte : byte & (byte < 0xe0 ? 0x1f : byte < 0xf0 ? 0x0f : 7));
